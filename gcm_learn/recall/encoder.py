@@ -60,7 +60,7 @@ class EncoderConfig:
     best."""
     seed: int = 0
     arm: str = PLANAR.name
-    """Kind of arm; memories of spatial ones have no maps."""
+    """Kind of arm; only memories of planar ones have maps."""
 
     def __post_init__(self) -> None:
         for name, low in (("dim", 2), ("width", 4), ("steps", 1), ("seed", 0)):
@@ -69,7 +69,7 @@ class EncoderConfig:
                 raise EncoderError(f"{name}: must be an integer of at least {low} (got {value!r})")
         if self.memory not in SOURCES:
             raise EncoderError(f"memory: must be one of {', '.join(SOURCES)} (got {self.memory!r})")
-        known = [kind.name for kind in MEMORIES if MEMORIES.of(kind).context > 0]
+        known = [kind.name for kind in MEMORIES]
         if self.arm not in known:
             raise EncoderError(f"arm: must be one of {', '.join(known)} (got {self.arm!r})")
         if self.uses_maps and not MEMORIES.of(self.kind).maps:
@@ -201,10 +201,20 @@ class Encoder:
     def embed_features(self, seen: Features) -> np.ndarray:
         """Embedding (dim,) float32 of a situation by what it looks like."""
         arm, body = self._situation, self._body
+        self._check("situation", len(seen.context), arm)
         found: np.ndarray = embed_features(
             seen.context, seen.cells, arm.weights, arm.biases, body.weights, body.biases
         )
         return found
+
+    def _check(self, what: str, count: int, tower: Tower) -> None:
+        """Refuse features of an arm with another number of joints."""
+        known = len(tower.weights[0])
+        if count != known:
+            raise EncoderError(
+                f"{what}: of an arm with another number of joints than those that encoder "
+                f"{self.key} knows ({count} features, expected {known})"
+            )
 
     def embed_memories(
         self, situations: Sequence[Any], knots: np.ndarray, goals: np.ndarray
@@ -215,15 +225,16 @@ class Encoder:
         ----------
         situations : sequence of Situation
             Looked at only by encoders that use maps.
-        knots, goals : (n, k, 4), (n, 2) ndarray
+        knots, goals : (n, ...) ndarray
+            Columns of `Waypoints`.
         """
         out = np.zeros((len(knots), self.dim), dtype=np.float32)
         for first in range(0, len(knots), CHUNK):
             part = slice(first, first + CHUNK)
             if self.config.uses_traces:
-                out[part] += self._memory["trace"](
-                    MEMORIES.of(self.kind).path_features(knots[part], goals[part])
-                )
+                paths = MEMORIES.of(self.kind).path_features(knots[part], goals[part])
+                self._check("memory", paths.shape[1], self._memory["trace"])
+                out[part] += self._memory["trace"](paths)
             if self.config.uses_maps:
                 maps = np.array([map_features(s) for s in situations[part]])
                 out[part] += self._memory["map"](maps)

@@ -54,10 +54,6 @@ class MemoryKind:
     """Raw parameters of a situation, with its scene if that is at hand."""
     features: Callable[..., Features]
     """Clearance features of a situation, with its scene if that is at hand."""
-    context: int
-    """Numbers of their context, 0 if an encoder knows no such arms."""
-    cells: int
-    """Numbers of an obstacle."""
     path_features: Callable[[np.ndarray, np.ndarray], np.ndarray]
     """Features of memories' knots and goals."""
     maps: bool
@@ -84,10 +80,6 @@ def _joints_and_times(arm: Any) -> int:
     return len(arm.joints) + 2
 
 
-def _no_features(*given: Any) -> Any:
-    raise RecallError("memory: an encoder knows no chains; take the index change or raw")
-
-
 MEMORIES = ByKind(
     {
         PLANAR: MemoryKind(
@@ -98,8 +90,6 @@ MEMORIES = ByKind(
             waypoints_of=hand_waypoints,
             raw_features=hand_raw_features,
             features=hand_features.clearance_features,
-            context=hand_features.CONTEXT,
-            cells=hand_features.CELLS,
             path_features=hand_path_features,
             maps=True,
             problem=Problem,
@@ -118,8 +108,6 @@ MEMORIES = ByKind(
             waypoints_of=joint_waypoints,
             raw_features=joint_raw_features,
             features=joint_features.posture_features,
-            context=joint_features.CONTEXT,
-            cells=joint_features.CELLS,
             path_features=joint_path_features,
             maps=False,
             problem=SpatialProblem,
@@ -137,10 +125,8 @@ MEMORIES = ByKind(
             goal=GOAL,
             waypoints_of=joint_waypoints,
             raw_features=chain_raw_features,
-            features=_no_features,
-            context=0,
-            cells=0,
-            path_features=_no_features,
+            features=joint_features.posture_features,
+            path_features=joint_path_features,
             maps=False,
             problem=SpatialProblem,
             straight=earliest_straight,
@@ -148,7 +134,7 @@ MEMORIES = ByKind(
             tries=JointTries,
             pool=4,
             penalty=1.0,
-            shipped="recall-chain",
+            shipped="recall-panda",
             fallback="search",
         ),
     },

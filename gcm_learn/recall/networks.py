@@ -9,7 +9,9 @@ valid ones are left out: they are as right.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 import torch
@@ -19,7 +21,6 @@ from torch.nn import functional
 from gcm_learn.errors import EncoderError
 from gcm_learn.recall.encoder import LAYERS, Encoder, EncoderConfig
 from gcm_learn.recall.features import COUNT, STEPS, FeatureBatch
-from gcm_learn.recall.kinds import MEMORIES
 
 _NEVER = -1e4
 
@@ -53,16 +54,23 @@ class TowerNet(nn.Module):
         return self.layers[-1](values)
 
 
+class Inputs(NamedTuple):
+    """Numbers of features; of a chain they depend on its joints."""
+
+    context: int
+    cells: int
+    path: int
+
+
 class EncoderNet(nn.Module):
     """All towers, and how sure a situation lets one be that anything is valid in it."""
 
-    def __init__(self, config: EncoderConfig, path_count: int) -> None:
+    def __init__(self, config: EncoderConfig, inputs: Inputs) -> None:
         super().__init__()
-        kind = MEMORIES.of(config.kind)
-        self.situation = TowerNet(kind.context, config.width, config.dim)
-        self.body = TowerNet(kind.context + kind.cells, config.width, config.dim)
+        self.situation = TowerNet(inputs.context, config.width, config.dim)
+        self.body = TowerNet(inputs.context + inputs.cells, config.width, config.dim)
         if config.uses_traces:
-            self.trace = TowerNet(path_count, config.width, config.dim)
+            self.trace = TowerNet(inputs.path, config.width, config.dim)
         if config.uses_maps:
             self.map = TowerNet(COUNT, config.width, config.dim)
         self.hope = nn.Linear(config.dim, 1)  # the bias, by its name in checkpoints
@@ -76,8 +84,9 @@ class EncoderNet(nn.Module):
         except RuntimeError:
             raise EncoderError(
                 f"start: encoder {encoder.key} has {encoder.dim} numbers, {encoder.config.width} "
-                f"units and embeds by {encoder.config.memory}; expected {self.config.dim}, "
-                f"{self.config.width} and {self.config.memory}"
+                f"units, embeds by {encoder.config.memory} and knows {_known(arrays)} numbers of "
+                f"a situation; expected {self.config.dim}, {self.config.width}, "
+                f"{self.config.memory} and {_known(self.state_dict())}"
             ) from None
 
     def queries(self, features: FeatureBatch) -> Tensor:
@@ -103,6 +112,11 @@ class EncoderNet(nn.Module):
         state = self.state_dict()
         wanted = {name: value for name, value in state.items() if not name.startswith("hope.")}
         return {name: value.numpy().astype(np.float16) for name, value in wanted.items()}
+
+
+def _known(weights: Mapping[str, Tensor]) -> int:
+    """Numbers of a situation and an obstacle that weights take."""
+    return int(weights["body.mean"].numel())
 
 
 def binary(scores: Tensor, bias: Tensor, valid: Tensor) -> Tensor:

@@ -19,14 +19,19 @@ SAMPLES = 16  # equal shares of a hand path's length
 PER_KNOT, PER_SAMPLE, WHOLE = 8, 5, 7
 HUB = 0.1  # added to shares of the ring for lengths, so that a hand at the shoulder moves
 PARTS = 12  # equal shares of a joint movement's length
-PER_PART, PER_JOINT_KNOT = 9, 3
-JOINT_COUNT = PARTS * PER_PART + JOINT_KNOTS * PER_JOINT_KNOT + 16 + GOAL
+PER_JOINT_KNOT, ENTIRE = 3, 4
 _SMALL = 1e-6  # added to the length of a piece [rad]
 
 
 def count(knots: int) -> int:
     """Features of a path with so many knots."""
     return PER_KNOT * knots + PER_SAMPLE * SAMPLES + WHOLE
+
+
+def joint_count(joints: int) -> int:
+    """Features of a movement of so many joints."""
+    per_part = 2 * joints + 1
+    return PARTS * per_part + JOINT_KNOTS * PER_JOINT_KNOT + 3 * joints + ENTIRE + GOAL
 
 
 def hand_path_features(knots: np.ndarray, goals: np.ndarray) -> np.ndarray:
@@ -91,17 +96,17 @@ def _place(a, ring, t, m, at, out):
 
 
 def joint_path_features(knots: np.ndarray, goals: np.ndarray) -> np.ndarray:
-    """Features (n, JOINT_COUNT) float32 of remembered movements.
+    """Features (n, joint_count(m)) float32 of remembered movements of m joints.
 
     Parameters
     ----------
-    knots, goals : (n, JOINT_KNOTS, 6), (n, GOAL) ndarray
+    knots, goals : (n, JOINT_KNOTS, m + 2), (n, GOAL) ndarray
         As of `Waypoints`.
     """
     n = len(knots)
     if n == 0:
-        return np.zeros((0, JOINT_COUNT), np.float32)
-    joints, time = knots[:, :, :4].astype(float), knots[:, :, TIME].astype(float)
+        return np.zeros((0, joint_count(knots.shape[2] - 2)), np.float32)
+    joints, time = knots[:, :, :TIME].astype(float), knots[:, :, TIME].astype(float)
     pieces = np.abs(np.diff(joints, axis=1)).max(axis=2) + _SMALL
     share = np.concatenate([np.zeros((n, 1)), np.cumsum(pieces, axis=1)], axis=1)
     length = share[:, -1]

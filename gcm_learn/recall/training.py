@@ -30,7 +30,7 @@ from gcm_learn.dataset import Dataset
 from gcm_learn.errors import EncoderError
 from gcm_learn.recall.encoder import Encoder, EncoderConfig, config_to_json, save_encoder
 from gcm_learn.recall.features import STEPS, FeatureBatch
-from gcm_learn.recall.networks import EncoderNet, binary, contrast, listwise
+from gcm_learn.recall.networks import EncoderNet, Inputs, binary, contrast, listwise
 from gcm_learn.recall.transfer_labels import Labels, TrainingData
 from gcm_learn.storage import write_whole
 
@@ -92,7 +92,9 @@ class Trainer:
         self._maps = None if maps is None else torch.from_numpy(maps)
         with torch.random.fork_rng(devices=[]):
             torch.manual_seed(self.config.seed)
-            self.net = EncoderNet(self.config, self._paths.shape[1])
+            self.net = EncoderNet(
+                self.config, Inputs(*self.data.situation_counts, self._paths.shape[1])
+            )
         if self.start is None:
             self._highest = self.config.rate
             self._fit_scales()
@@ -371,6 +373,6 @@ those that it was trained on, nothing left out of the list as a twin of a failur
 |---|---|
 {rows}
 
-**Limits.** It knows the families of that dataset and {config.arm} arms like those there; the
+**Limits.** It knows the families of that dataset and {config.kind.plural} like those there; the
 nearest target only. What it proposes is verified before it is acted on.
 """

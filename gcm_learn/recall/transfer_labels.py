@@ -113,6 +113,10 @@ class TrainingData(Protocol):
     def map_features(self) -> np.ndarray | None:
         """Features (m, COUNT) float32 of their maps, if wanted, else None."""
 
+    @property
+    def situation_counts(self) -> tuple[int, int]:
+        """Features of a situation's context, and of an obstacle."""
+
     def labels(self, index: int, best: Best | None) -> Labels:
         """Batch number `index`; on the memories that seem best if `best` is given."""
 
@@ -177,6 +181,10 @@ class TransferLabels:
                     drawn.append(lesson.map)
         if len(paths) < 2:
             raise RecallError("the dataset has no catches to learn from")
+        columns = sorted({path.knots.shape[1] for path in paths})
+        if len(columns) > 1:
+            found = " and ".join(str(count - 2) for count in columns)
+            raise RecallError(f"the dataset has arms of {found} joints; an encoder takes one kind")
         self.knots = np.array([path.knots for path in paths])
         self.goals = np.array([path.goal for path in paths])
         self.path_features = self.kind.path_features(self.knots, self.goals)
@@ -193,6 +201,12 @@ class TransferLabels:
         for stratum in ("L", "W", "Q"):
             some = self._held.where(stratum=stratum)
             yield from (some[k] for k in range(min(EXAMINED, len(some))))
+
+    @property
+    def situation_counts(self) -> tuple[int, int]:
+        """Features of a situation's context, and of an obstacle."""
+        seen = self._seen([self.kind.problem(self.situations[0], "labels")])
+        return seen.context.shape[1], seen.cells.shape[1]
 
     def labels(self, index: int, best: Best | None) -> Labels:
         """Label situations that are new in every batch once the records are used up."""

@@ -36,6 +36,7 @@ class Toy:
         self.path_features = np.zeros((MEMORIES, count(24)), np.float32)
         self.path_features[:, 3] = self.place
         self.map_features = None
+        self.situation_counts = CONTEXT, CELLS
         self.asked = 0
 
     def situations(self, rng):
