@@ -29,6 +29,7 @@ from gcm_learn.recall.index import (
 )
 from gcm_learn.recall.indexes import index_class
 from gcm_learn.recall.kinds import MEMORIES, raw_features, waypoints_of
+from gcm_learn.recall.lessons import Sizes
 from gcm_learn.recall.passing import passing, passing_of
 from gcm_learn.recall.planners import (
     HybridPlanner,
@@ -47,14 +48,14 @@ from gcm_learn.recall.waypoints import Waypoints, path_of, ring_share
 
 if TYPE_CHECKING:
     from gcm_learn.recall.training import Effort, Trainer, write_model
-    from gcm_learn.recall.transfer_labels import Best, Labels, Sizes, TransferLabels
+    from gcm_learn.recall.transfer_labels import Best, Labels, TransferLabels
 
 # Loaded when they are asked for: they need pyarrow or torch.
 __getattr__ = late_names(
     __name__,
     {
         "training": ("Effort", "Trainer", "write_model"),
-        "transfer_labels": ("Best", "Labels", "Sizes", "TransferLabels"),
+        "transfer_labels": ("Best", "Labels", "TransferLabels"),
     },
 )
 

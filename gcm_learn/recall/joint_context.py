@@ -1,4 +1,4 @@
-"""Context of a situation of an arm in joints: where the target is, what the arm is, where it could go.
+"""Context of a situation of an arm in joints: target, arm, and where it could go straight.
 
 All is in the heading of the limb; see `recall.headings`. A chain's numbers are as many as its
 joints ask for.

@@ -26,6 +26,7 @@ from gcm_learn.recall.adaptation import (
     early_answer_in_space,
 )
 from gcm_learn.recall.features import Features
+from gcm_learn.recall.lessons import Sizes
 from gcm_learn.recall.path_features import hand_path_features, joint_path_features
 from gcm_learn.recall.raw_features import (
     chain_raw_features,
@@ -70,6 +71,8 @@ class MemoryKind:
     """Memories recalled for each check: failures put similar ones back."""
     penalty: float
     """Loss of a memory by the failure of one in the same direction [log-odds]."""
+    lesson: Sizes
+    """Sizes of the batches of labels that an encoder learns from."""
     shipped: str
     """Name of the memory that is shipped."""
     fallback: str = "layered"
@@ -98,6 +101,7 @@ MEMORIES = ByKind(
             tries=HandTries,
             pool=10,
             penalty=4.0,
+            lesson=Sizes(),
             shipped="recall",
         ),
         SPATIAL: MemoryKind(
@@ -116,6 +120,7 @@ MEMORIES = ByKind(
             tries=JointTries,
             pool=4,
             penalty=1.0,
+            lesson=Sizes(),
             shipped="recall-space",
         ),
         CHAIN: MemoryKind(
@@ -134,6 +139,7 @@ MEMORIES = ByKind(
             tries=JointTries,
             pool=4,
             penalty=1.0,
+            lesson=Sizes(192, 40, 20, 6),  # a try costs tens of times as much
             shipped="recall-panda",
             fallback="search",
         ),

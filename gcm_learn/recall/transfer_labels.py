@@ -26,11 +26,11 @@ from gcm_learn.recall.adaptation import DEFAULT
 from gcm_learn.recall.features import FeatureBatch, Features, batched, map_features
 from gcm_learn.recall.growth import Source, source_of
 from gcm_learn.recall.kinds import MEMORIES
+from gcm_learn.recall.lessons import Sizes
 from gcm_learn.scene import TOP_SPEED
 from gcm_learn.situation import AnySituation
 from gcm_learn.storage import write_whole
 
-ALONE = 0.4  # share of a batch: situations of it again, with one of their obstacles alone
 DEPTH = 600  # best memories from which a batch about the best chooses
 EASY = 0.15  # share of situations that are kept although a straight line catches
 READ, TRIED = 500, 32  # records that are read at once, situations that are
@@ -41,37 +41,6 @@ _BATCH, _SAMPLE, _ORDER = 7, 8, 9  # purposes of random numbers
 Best = Callable[[FeatureBatch, int], np.ndarray]
 """From features of n situations and a number k, the memories (n, k) that fit best by what is known
 so far, the best first."""
-
-
-class Sizes(NamedTuple):
-    """Sizes of a batch of labels."""
-
-    situations: int = 512
-    any: int = 160
-    """Memories of a batch about any memories."""
-    top: int = 40
-    """First memories of a batch about the best."""
-    wide: int = 16
-    """Memories drawn from the best that follow."""
-
-    @property
-    def alone(self) -> int:
-        """Situations with one obstacle alone."""
-        return int(ALONE * self.situations)
-
-    @property
-    def others(self) -> int:
-        """Situations with all of their obstacles."""
-        return self.situations - self.alone
-
-    def hard(self, found: np.ndarray, rng: np.random.Generator) -> np.ndarray:
-        """Choose the first of the best memories (n, k) and some that follow (n, top + wide)."""
-        top = min(self.top, found.shape[1])
-        rest = found.shape[1] - top
-        wide = min(self.wide, rest)
-        after = top + np.argsort(rng.random((len(found), rest)), axis=1)[:, :wide]
-        rows = np.hstack([found[:, :top], np.take_along_axis(found, after, axis=1)])
-        return np.ascontiguousarray(rows, dtype=np.int64)
 
 
 class Labels(NamedTuple):
@@ -143,7 +112,7 @@ class TransferLabels:
     progress : callable
         Called with the number of records read since the last call.
     sizes : Sizes, optional
-        Sizes of batches.
+        Sizes of batches; by default those of the kind of arm.
     """
 
     def __init__(
@@ -159,8 +128,8 @@ class TransferLabels:
         sizes: Sizes | None = None,
     ) -> None:
         self.spec, self.seed, self.crew = records.spec, seed, crew or Here()
-        self.sizes = Sizes() if sizes is None else sizes
         self.kind = MEMORIES.of(records.spec.kind)
+        self.sizes = self.kind.lesson if sizes is None else sizes
         train, self._held = records.where(split="train"), records.where(split="validation")
         order = np.arange(len(train))
         if most is not None and most < len(order):
