@@ -15,7 +15,7 @@ SHIPPED = (
         f"models/{name}"
         for name in (
             *("clone", "encoder", "ppo", "ppo-clone", "ppo-space"),
-            *("recall", "recall-space", "sac"),
+            *("recall", "recall-panda", "recall-space", "sac"),
         )
     ),
     "models/bodies",

@@ -53,7 +53,7 @@ def test_it_is_small_and_has_what_is_asked_for_by_name(wheel):
     wanted = {Path("models", name, "actor.npz") for name in ACTORS}
     wanted.add(Path("models/ppo-space/actor3d.npz"))
     wanted |= {Path("models/recall/manifest.json"), Path("models/encoder/encoder.safetensors")}
-    wanted.add(Path("models/recall-space/manifest.json"))
+    wanted |= {Path("models", f"recall-{name}", "manifest.json") for name in ("space", "panda")}
     assert wanted | {Path("data/suites/demo.jsonl")} <= carried
     assert all((ROOT / path).is_file() for path in carried)
     assert "gcm_learn/play/pages/index.html" in names

@@ -4,16 +4,38 @@ from __future__ import annotations
 
 from functools import partial
 from pathlib import Path
+from typing import NamedTuple
 
 from experiments.common import comparing
 from experiments.common.comparing import STRATA, share
 from experiments.common.outcomes import Outcomes, read
 from experiments.common.tables import table
 
-INDEXES = ("recall-clearance", "recall-raw", "recall-random")
 CHECKS = ("", ", 1 check")
-PLANAR = {"fresh": "families", "standin": "classes of arms"}
 
+
+class Suite(NamedTuple):
+    """A memory under several indexes, and the strata in which it answers."""
+
+    indexes: tuple[str, ...]
+    """Beside its own."""
+    groups: str
+    """What intervals are within."""
+    strata: tuple[str, ...] = STRATA
+    others: tuple[str, ...] = ()
+    """Planners that search."""
+
+
+BY_INDEX = {
+    "fresh": Suite(("recall-clearance", "recall-raw", "recall-random"), "families"),
+    "standin": Suite(("recall-clearance", "recall-raw", "recall-random"), "classes of arms"),
+    "recall-panda": Suite(
+        ("recall-change", "recall-raw", "recall-random"),
+        "families",
+        ("L", "W", "Q"),
+        ("hybrid", "search"),
+    ),
+}
 
 SPATIAL = ("space", "space-accelerated")
 PLANNERS = ("recall", "recall-1", "recall-raw", "recall-random", "hybrid", "layered")
@@ -28,29 +50,35 @@ GROUPS = {
 
 
 def results(folder: Path) -> dict[str, str]:
-    """Return the tables of the suites in the plane and in space."""
-    makers = {name: partial(planar, groups=groups) for name, groups in PLANAR.items()}
+    """Return the tables of all suites."""
+    makers = {name: partial(by_index, suite=suite) for name, suite in BY_INDEX.items()}
     makers |= dict.fromkeys(SPATIAL, spatial)
     files = {name: folder / f"outcomes-{name}.csv.gz" for name in makers}
     return {f"{n}.md": makers[n](read(file)) for n, file in files.items() if file.exists()}
 
 
-def planar(found: Outcomes, groups: str) -> str:
+def by_index(found: Outcomes, suite: Suite) -> str:
     """Return catches by stratum, what they took, and pairs."""
-    names = [index + checks for checks in CHECKS for index in ("recall", *INDEXES)]
-    head = ["asked", *STRATA, "W and Q", "complaints", *comparing.COUNTS, "ms", "90 %"]
+    if "split" in found.columns:
+        found = found.where(split=GROUPS["as trained"], stratum=suite.strata)
+    names = [index + checks for checks in CHECKS for index in ("recall", *suite.indexes)]
+    own = {s: found.where(method="recall", stratum=s) for s in suite.strata}
+    strata = [stratum for stratum in suite.strata if len(own[stratum])]
+    whole = f"{', '.join(strata[:-1])} and {strata[-1]}"
+    head = ["asked", *strata, whole, "complaints", *comparing.COUNTS, "ms", "90 %"]
     rows = []
-    for name in names:
+    for name in [*names, *suite.others]:
         mine = found.where(method=name)
-        shares = [share(mine.where(stratum=stratum)) for stratum in STRATA]
+        shares = [share(mine.where(stratum=stratum)) for stratum in strata]
         rest = [comparing.complaints(mine), *comparing.counts(mine), *comparing.times(mine)]
         rows.append([f"`{name}`", *shares, share(mine), *rest])
-    number = [len(found.where(method="recall", stratum=s)) for s in STRATA]
-    asked = [("recall" + checks, other + checks) for checks in CHECKS for other in INDEXES]
+    asked = [("recall" + checks, other + checks) for checks in CHECKS for other in suite.indexes]
+    counts = [f"{len(own[stratum])} of {stratum}" for stratum in strata]
+    number = " and ".join([counts[0].replace(" of", " situations of"), *counts[1:]])
     note = (
-        f"Catches [%] of {number[0]} situations of W and {number[1]} of Q, 95 % intervals within "
-        f"{groups}; of how many catches the referee complains; mean checks, looks and bends of a "
-        "situation; processor time [ms], median and 90 %."
+        f"Catches [%] of {number}, 95 % intervals within "
+        f"{suite.groups}; of how many catches the referee complains; mean checks, looks and bends "
+        "of a situation; processor time [ms], median and 90 %."
     )
     parts = [table(head, rows), note, comparing.pairs(found, asked)]
     return "\n\n".join(parts) + "\n"
@@ -76,9 +104,9 @@ def spatial(found: Outcomes) -> str:
     drawn = len(found.where(method="layered"))
     note = (
         f"{drawn} situations, {len(found.where(stratum='U'))} of which `layered` does not catch "
-        "with the moves of the specification; catches [%] of the others with 95 % intervals; of "
-        "how many catches the referee complains; mean checks, looks and bends of a situation; "
-        "processor time [ms], median and 90 %. Pairs are of W and Q as trained."
+        "with the moves of the specification. Catches [%] of the others have 95 % intervals. Then "
+        "come catches that the referee complains of, mean checks, looks and bends of a situation, "
+        "and processor time [ms], median and 90 %. Pairs are of W and Q as trained."
     )
     asked = [("recall", "recall-raw"), ("recall", "recall-random"), ("hybrid", "layered")]
     pairs = comparing.pairs(hard.where(split=GROUPS["as trained"]), asked)

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import standin
+from entrants import entrants
 from neighbours import ClearanceIndex
 
 from experiments import recompute
@@ -24,11 +25,10 @@ from gcm_learn.recall import RandomIndex, RawIndex, RecallPlanner, shipped_memor
 
 HERE = Path(__file__).resolve().parent
 SEED = 3887612067
-CHECKS = 20
 WARM = 5  # situations that are asked before the clock runs
 
 
-def entrants() -> dict[str, RecallPlanner]:
+def all_entrants() -> dict[str, RecallPlanner]:
     """Return all that answer, with twenty checks and with one, by name."""
     memory = shipped_memory("recall")
     situations = memory.situations()
@@ -37,12 +37,7 @@ def entrants() -> dict[str, RecallPlanner]:
         "recall-raw": RawIndex.fit(situations),
         "recall-random": RandomIndex(),
     }
-    memories = {"recall": memory} | {n: memory.refiled(index) for n, index in indexes.items()}
-    found = {}
-    for name, one in memories.items():
-        found[name] = RecallPlanner(one, CHECKS)
-        found[f"{name}, 1 check"] = RecallPlanner(one, 1, novelty=0.0)
-    return found
+    return entrants(memory, indexes)
 
 
 def suite_of(name: str) -> list[Question]:
@@ -58,7 +53,7 @@ def main() -> None:
     parser.add_argument("suite", nargs="?", default="fresh", choices=("fresh", "standin"))
     name = parser.parse_args().suite
     questions, rows, referee = suite_of(name), [], Referee()
-    for method, planner in entrants().items():
+    for method, planner in all_entrants().items():
         for question in questions[:WARM]:
             planner.plan(question.situation)
         for question in questions:

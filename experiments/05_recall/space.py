@@ -1,7 +1,8 @@
-"""Ask recall and its controls in space, also where memories were not made; writes outcomes.
+"""Ask recall and its controls of arms in joints, also where no memories are; writes outcomes.
 
 python -m experiments 05_recall/space                                         2,000 situations
 python -m experiments 05_recall/space --spec space-accelerated --count 1000   under limits
+python -m experiments 05_recall/space --spec recall-panda --count 600         a Panda
 
 Situations are drawn as a specification of data/specs says, with a seed of their own. Answers
 are kept in out/ and not asked again. The tests' referee judges every catch.
@@ -12,27 +13,53 @@ from __future__ import annotations
 import argparse
 import json
 import time
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from entrants import entrants
 
 from experiments import recompute
 from experiments.common import outcomes
 from experiments.common.judging import Referee, outcome
+from gcm_learn.arms import CHAIN
 from gcm_learn.dataset import make_item, read_spec
 from gcm_learn.planners import get_planner
+from gcm_learn.recall import ChangeIndex, RandomIndex, RawIndex, shipped_memory
 
 HERE = Path(__file__).resolve().parent
-SEEDS = {"space": 3437426931, "space-accelerated": 885590443}
-"""Heads of the hashes of the commits that froze code, memory and encoder, by specification."""
+SEEDS = {"space": 3437426931, "space-accelerated": 885590443, "recall-panda": 240_101}
+"""By specification. In space they are heads of the hashes of the commits that froze code, memory
+and encoder; that of the Panda was written down before its memory was trained."""
 WARM = 8  # further situations, asked before the clock runs
-PLANNERS = ("recall", "recall-1", "recall-raw", "recall-random", "hybrid", "layered")
+SHIPPED = ("recall", "recall-1", "recall-raw", "recall-random", "hybrid", "layered")
 
 
-def answered(spec: Any, k: int) -> list[dict[str, Any]]:
-    """Return the outcomes of item k; of one that `layered` does not catch that is all."""
+def shipped() -> dict[str, Any]:
+    """Return planners by their names."""
+    return {name: get_planner(name) for name in SHIPPED}
+
+
+def of_panda() -> dict[str, Any]:
+    """Return the Panda's memory by its own index and by others, and planners that search."""
+    memory = shipped_memory("recall", CHAIN)
+    situations = memory.situations()
+    indexes: dict[str, Any] = {
+        "recall-change": ChangeIndex.fit(situations),
+        "recall-raw": RawIndex.fit(situations),
+        "recall-random": RandomIndex(),
+    }
+    searching = {name: get_planner(name) for name in ("hybrid", "search")}
+    return entrants(memory, indexes) | searching
+
+
+METHODS = {"space": shipped, "space-accelerated": shipped, "recall-panda": of_panda}
+
+
+def answered(spec: Any, k: int, methods: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """Return the outcomes of item k; of one that no planner of records catches that is all."""
     record = make_item(spec, k)
     if record.situation is None:
         return []
@@ -43,10 +70,10 @@ def answered(spec: Any, k: int) -> list[dict[str, Any]]:
         "family": record.family,
     }
     if record.stratum == "U":
-        return [about | {"method": "layered", "caught": False}]
+        return [about | {"method": spec.planners[-1], "caught": False}]
     return [
-        about | {"method": name} | outcome(get_planner(name), record.situation, Referee())
-        for name in PLANNERS
+        about | {"method": name} | outcome(planner, record.situation, Referee())
+        for name, planner in methods.items()
     ]
 
 
@@ -63,13 +90,14 @@ def main() -> None:
     kept.parent.mkdir(exist_ok=True)
     lines = kept.read_text("utf-8").splitlines() if kept.exists() else []
     rows = [json.loads(line) for line in lines]
+    methods = METHODS[given.spec]()
     for k in range(given.count, given.count + WARM):
-        answered(replace(spec, count=given.count + WARM), k)  # kernels are loaded now
+        answered(replace(spec, count=given.count + WARM), k, methods)  # kernels are loaded now
     with kept.open("a", encoding="utf-8") as stream:
         for k in range(len(rows), given.count):
             if time.monotonic() - began > 60.0 * given.minutes:
                 break
-            rows.append(answered(spec, k))
+            rows.append(answered(spec, k, methods))
             stream.write(json.dumps(rows[-1]) + "\n")
             stream.flush()
     outcomes.write(HERE / f"outcomes-{given.spec}.csv.gz", (one for row in rows for one in row))

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from experiments.common.counting import counted
+from gcm_learn.arms import CHAIN, SPATIAL, ByKind
 from gcm_learn.planners import Plan, plan_to_json
 from gcm_learn.recall import HybridPlanner, RecallPlanner
 from gcm_learn.situation import situation_to_json
@@ -27,7 +28,7 @@ class Referee:
     def broken(self, situation: Any, plan: Plan) -> bool:
         """Return whether a catch breaks its promise, in the plane at every density of samples."""
         path: Any = plan.trajectory
-        places = path.joints if situation.is_spatial else path.hand
+        places = path.joints if JUDGES.takes(situation) else path.hand
         parts = (path.time, places, np.array([plan.clearance, plan.catch_time]))
         key = content_hash(repr(situation), *(np.ascontiguousarray(a).tobytes() for a in parts))
         if key not in self.known:
@@ -35,8 +36,8 @@ class Referee:
         return self.known[key]
 
     def _broken(self, situation: Any, plan: Plan) -> bool:
-        if situation.is_spatial:
-            return bool(complaints_in_space(situation, plan))
+        if JUDGES.takes(situation):
+            return bool(JUDGES.of(situation)(situation, plan))
         looks = (referee.judge(situation, plan, *more) for more in ((), *((n,) for n in CLOSER)))
         return all(look.complaints for look in looks)
 
@@ -51,6 +52,10 @@ def complaints_of_chains(situation: Any, plan: Plan) -> list[str]:
     """Complaints of the referee of chains."""
     records = situation_to_json(situation), plan_to_json(plan, situation)
     return referee_of_chains.judge(*records).complaints
+
+
+JUDGES = ByKind({SPATIAL: complaints_in_space, CHAIN: complaints_of_chains})
+"""Referees of arms in joints, which are exact."""
 
 
 def outcome(planner: Any, situation: Any, referee: Referee) -> dict[str, Any]:
@@ -69,9 +74,9 @@ def judged(plan: Plan, situation: Any, referee: Referee, ms: float) -> dict[str,
     row = {"caught": plan.caught, "catch_time": plan.catch_time, "ms": ms}
     if not plan.caught:
         return row
-    if not situation.is_spatial:
+    if not JUDGES.takes(situation):
         return row | {"complaints": int(referee.broken(situation, plan))}
-    return row | {"complaints": len(complaints_in_space(situation, plan))}
+    return row | {"complaints": len(JUDGES.of(situation)(situation, plan))}
 
 
 def counts(planner: Any, situation: Any) -> dict[str, int]:
