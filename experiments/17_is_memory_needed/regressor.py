@@ -25,7 +25,7 @@ from gcm_learn.recall.adaptation import HandTries
 from gcm_learn.recall.features import STEPS, FeatureBatch, batched
 from gcm_learn.recall.hand_features import clearance_features
 from gcm_learn.recall.hand_paths import EARLIEST, KNOTS, TIME
-from gcm_learn.recall.networks import EncoderNet
+from gcm_learn.recall.networks import EncoderNet, Inputs
 from gcm_learn.recall.planners import _first_plan, _offer
 from gcm_learn.recall.trials import Budget
 
@@ -39,10 +39,11 @@ WAITS = 0.5  # a knot waits if it is told to be there no earlier than this share
 class Paths(nn.Module):
     """The towers of an encoder, then twenty paths and how likely each is."""
 
-    def __init__(self, mean: np.ndarray, spread: np.ndarray, arm: Any = "planar") -> None:
+    def __init__(self, mean: np.ndarray, spread: np.ndarray, features: FeatureBatch) -> None:
         super().__init__()
         self.numbers = len(mean)
-        self.look = EncoderNet(EncoderConfig(dim=WIDTH, arm=arm), 1)
+        sizes = Inputs(features.context.shape[1], features.cells.shape[1], 1)
+        self.look = EncoderNet(EncoderConfig(dim=WIDTH), sizes)
         self.middle = nn.Linear(WIDTH, WIDTH)
         self.paths = nn.Linear(WIDTH, CHECKS * self.numbers)
         self.choice = nn.Linear(WIDTH, CHECKS)
@@ -60,15 +61,13 @@ def told(knots: np.ndarray, goals: np.ndarray) -> np.ndarray:
     return np.hstack([knots.reshape(len(knots), -1), goals]).astype(np.float32)
 
 
-def regressor(
-    lessons: Path, paths: np.ndarray, seed: int, steps: int, arm: Any = "planar"
-) -> Paths:
+def regressor(lessons: Path, paths: np.ndarray, seed: int, steps: int) -> Paths:
     """Train it on the lessons of a folder."""
     batches = [Labels.load(file) for file in sorted(lessons.glob("lesson-*.npz"))]
     mean, spread = paths.mean(axis=0), np.maximum(paths.std(axis=0), 0.05)
     with torch.random.fork_rng(devices=[]):
         torch.manual_seed(seed)
-        net = Paths(mean, spread, arm)
+        net = Paths(mean, spread, batches[0].features)
     context, cells = batches[0].features.context, batches[0].features.cells
     whose = batches[0].features.whose
     net.look.situation.fit_scale(context)

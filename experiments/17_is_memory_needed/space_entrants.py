@@ -96,7 +96,7 @@ def _regressor(out: Path, seed: int) -> Ask:
     name = f"strict-{OF}-{seed}"
     some = _paths(out / "encoders" / name)
     paths, steps = told(some.knots, some.goals), TURNS * EncoderConfig().steps
-    net = regressor(out / "work" / name, paths, seed, steps, "spatial")
+    net = regressor(out / "work" / name, paths, seed, steps)
 
     def ask(question: Question, checks: int) -> Answer:
         problem = SpatialProblem(question.situation, "regressor")

@@ -17,9 +17,10 @@ from gcm_learn.planners.completion import Problem
 from gcm_learn.recall import EncoderConfig, Memory, RecallPlanner, index_class
 from gcm_learn.recall.adaptation import DEFAULT, Adaptation, query_of, transfer
 from gcm_learn.recall.encoder import Encoder
+from gcm_learn.recall.hand_features import CELLS, CONTEXT
 from gcm_learn.recall.hand_paths import KNOTS, hand_work
 from gcm_learn.recall.index import LearnedIndex
-from gcm_learn.recall.networks import EncoderNet
+from gcm_learn.recall.networks import EncoderNet, Inputs
 from gcm_learn.recall.path_features import count
 from gcm_learn.recall.search import Searcher
 from gcm_learn.recall.trials import Budget, Offer, first_valid
@@ -31,7 +32,8 @@ def learned(seed=0, memory="trace"):
     """An index that has learned nothing."""
     torch.manual_seed(seed)
     config = EncoderConfig(dim=8, width=16, memory=memory)
-    return LearnedIndex(Encoder(config, EncoderNet(config, count(KNOTS)).arrays()))
+    inputs = Inputs(CONTEXT, CELLS, count(KNOTS))
+    return LearnedIndex(Encoder(config, EncoderNet(config, inputs).arrays()))
 
 
 @pytest.fixture

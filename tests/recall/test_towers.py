@@ -16,8 +16,8 @@ from gcm_learn.families.random_planar import random_planar
 from gcm_learn.recall import EncoderConfig, load_encoder, save_encoder
 from gcm_learn.recall.encoder import Encoder
 from gcm_learn.recall.features import COUNT, batched, map_features
-from gcm_learn.recall.hand_features import clearance_features
-from gcm_learn.recall.networks import EncoderNet
+from gcm_learn.recall.hand_features import CELLS, CONTEXT, clearance_features
+from gcm_learn.recall.networks import EncoderNet, Inputs
 from gcm_learn.recall.path_features import count, hand_path_features
 
 KNOTS = 24
@@ -26,7 +26,9 @@ KNOTS = 24
 def network(memory="both", seed=0):
     """A network with weights at random, rounded to what is stored."""
     torch.manual_seed(seed)
-    net = EncoderNet(EncoderConfig(dim=6, width=20, memory=memory), count(KNOTS))
+    net = EncoderNet(
+        EncoderConfig(dim=6, width=20, memory=memory), Inputs(CONTEXT, CELLS, count(KNOTS))
+    )
     rng = seeding.rng(seed)
     for tower in (net.situation, net.body, net.trace, net.map):
         size = tower.mean.shape[0]
