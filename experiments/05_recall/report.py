@@ -12,6 +12,11 @@ from experiments.common.outcomes import Outcomes, read
 from experiments.common.tables import table
 
 CHECKS = ("", ", 1 check")
+COSTS = ("complaints", *comparing.COUNTS, "ms", "90 %")
+COSTS_NOTE = (
+    "; of how many catches the referee complains; mean checks, looks and bends "
+    "of a situation; processor time [ms], median and 90 %."
+)
 
 
 class Suite(NamedTuple):
@@ -22,8 +27,8 @@ class Suite(NamedTuple):
     groups: str
     """What intervals are within."""
     strata: tuple[str, ...] = STRATA
-    others: tuple[str, ...] = ()
-    """Planners that search."""
+    costs: bool = True
+    """False if catches were neither judged nor counted."""
 
 
 BY_INDEX = {
@@ -33,7 +38,7 @@ BY_INDEX = {
         ("recall-change", "recall-raw", "recall-random"),
         "families",
         ("L", "W", "Q"),
-        ("hybrid", "search"),
+        costs=False,
     ),
 }
 
@@ -65,21 +70,19 @@ def by_index(found: Outcomes, suite: Suite) -> str:
     own = {s: found.where(method="recall", stratum=s) for s in suite.strata}
     strata = [stratum for stratum in suite.strata if len(own[stratum])]
     whole = f"{', '.join(strata[:-1])} and {strata[-1]}"
-    head = ["asked", *strata, whole, "complaints", *comparing.COUNTS, "ms", "90 %"]
+    head = ["asked", *strata, whole, *(COSTS if suite.costs else ())]
     rows = []
-    for name in [*names, *suite.others]:
+    for name in names:
         mine = found.where(method=name)
         shares = [share(mine.where(stratum=stratum)) for stratum in strata]
         rest = [comparing.complaints(mine), *comparing.counts(mine), *comparing.times(mine)]
-        rows.append([f"`{name}`", *shares, share(mine), *rest])
+        rows.append([f"`{name}`", *shares, share(mine), *(rest if suite.costs else ())])
     asked = [("recall" + checks, other + checks) for checks in CHECKS for other in suite.indexes]
     counts = [f"{len(own[stratum])} of {stratum}" for stratum in strata]
-    number = " and ".join([counts[0].replace(" of", " situations of"), *counts[1:]])
-    note = (
-        f"Catches [%] of {number}, 95 % intervals within "
-        f"{suite.groups}; of how many catches the referee complains; mean checks, looks and bends "
-        "of a situation; processor time [ms], median and 90 %."
-    )
+    counts[0] = counts[0].replace(" of", " situations of")
+    number = f"{', '.join(counts[:-1])} and {counts[-1]}"
+    note = f"Catches [%] of {number}, 95 % intervals within {suite.groups}"
+    note += COSTS_NOTE if suite.costs else "."
     parts = [table(head, rows), note, comparing.pairs(found, asked)]
     return "\n\n".join(parts) + "\n"
 

@@ -13,7 +13,7 @@ from __future__ import annotations
 import argparse
 import json
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -43,7 +43,7 @@ def shipped() -> dict[str, Any]:
 
 
 def of_panda() -> dict[str, Any]:
-    """Return the Panda's memory by its own index and by others, and planners that search."""
+    """Return the Panda's memory by its own index and by others."""
     memory = shipped_memory("recall", CHAIN)
     situations = memory.situations()
     indexes: dict[str, Any] = {
@@ -51,14 +51,27 @@ def of_panda() -> dict[str, Any]:
         "recall-raw": RawIndex.fit(situations),
         "recall-random": RandomIndex(),
     }
-    searching = {name: get_planner(name) for name in ("hybrid", "search")}
-    return entrants(memory, indexes) | searching
+    return entrants(memory, indexes)
 
 
-METHODS = {"space": shipped, "space-accelerated": shipped, "recall-panda": of_panda}
+def caught(planner: Any, situation: Any, _referee: Referee) -> dict[str, Any]:
+    """Return whether a planner catches; memories are not counted and catches not judged."""
+    since = time.process_time()
+    plan = planner.plan(situation)
+    took = 1e3 * (time.process_time() - since)
+    return {"caught": plan.caught, "catch_time": plan.catch_time, "ms": took}
 
 
-def answered(spec: Any, k: int, methods: Mapping[str, Any]) -> list[dict[str, Any]]:
+METHODS = {
+    "space": (shipped, outcome),
+    "space-accelerated": (shipped, outcome),
+    "recall-panda": (of_panda, caught),
+}
+
+
+def answered(
+    spec: Any, k: int, methods: Mapping[str, Any], ask: Callable[..., dict[str, Any]]
+) -> list[dict[str, Any]]:
     """Return the outcomes of item k; of one that no planner of records catches that is all."""
     record = make_item(spec, k)
     if record.situation is None:
@@ -72,7 +85,7 @@ def answered(spec: Any, k: int, methods: Mapping[str, Any]) -> list[dict[str, An
     if record.stratum == "U":
         return [about | {"method": spec.planners[-1], "caught": False}]
     return [
-        about | {"method": name} | outcome(planner, record.situation, Referee())
+        about | {"method": name} | ask(planner, record.situation, Referee())
         for name, planner in methods.items()
     ]
 
@@ -90,14 +103,15 @@ def main() -> None:
     kept.parent.mkdir(exist_ok=True)
     lines = kept.read_text("utf-8").splitlines() if kept.exists() else []
     rows = [json.loads(line) for line in lines]
-    methods = METHODS[given.spec]()
+    make, ask = METHODS[given.spec]
+    methods = make()
     for k in range(given.count, given.count + WARM):
-        answered(replace(spec, count=given.count + WARM), k, methods)  # kernels are loaded now
+        answered(replace(spec, count=given.count + WARM), k, methods, ask)  # kernels are loaded now
     with kept.open("a", encoding="utf-8") as stream:
         for k in range(len(rows), given.count):
             if time.monotonic() - began > 60.0 * given.minutes:
                 break
-            rows.append(answered(spec, k, methods))
+            rows.append(answered(spec, k, methods, ask))
             stream.write(json.dumps(rows[-1]) + "\n")
             stream.flush()
     outcomes.write(HERE / f"outcomes-{given.spec}.csv.gz", (one for row in rows for one in row))
