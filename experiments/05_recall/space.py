@@ -1,4 +1,4 @@
-"""Ask recall and its controls of arms in joints, also where no memories are; writes outcomes.
+"""Ask recall and its controls of arms in joints, also off their training; writes outcomes.
 
 python -m experiments 05_recall/space                                         2,000 situations
 python -m experiments 05_recall/space --spec space-accelerated --count 1000   under limits
@@ -55,7 +55,7 @@ def of_panda() -> dict[str, Any]:
 
 
 def caught(planner: Any, situation: Any, _referee: Referee) -> dict[str, Any]:
-    """Return whether a planner catches; memories are not counted and catches not judged."""
+    """Return the outcome of a planner, without counts of memories and the referee."""
     since = time.process_time()
     plan = planner.plan(situation)
     took = 1e3 * (time.process_time() - since)
