@@ -1,0 +1,31 @@
+"""A referee of solutions: it reads the exchange formats alone, and nothing else of the package.
+
+>>> from gcm_learn.referee import judge
+>>> judge(situation, solution)  # doctest: +SKIP
+[]
+
+Its geometry is its own, in plain numpy.  ``python -m gcm_learn.referee`` judges files.
+"""
+
+from gcm_learn.referee.bodies import Body, bodies_of
+from gcm_learn.referee.complaints import Complaint, Unreadable
+from gcm_learn.referee.contact import Motion, nearest_obstacle, overlap
+from gcm_learn.referee.files import judge_files
+from gcm_learn.referee.judging import Verdict, examine, judge
+from gcm_learn.referee.kinds import Arm, arm_of
+
+__all__ = [
+    "Arm",
+    "Body",
+    "Complaint",
+    "Motion",
+    "Unreadable",
+    "Verdict",
+    "arm_of",
+    "bodies_of",
+    "examine",
+    "judge",
+    "judge_files",
+    "nearest_obstacle",
+    "overlap",
+]

@@ -1,0 +1,92 @@
+"""Situations and solutions in files."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from gcm_learn.referee.complaints import Complaint, Unreadable
+from gcm_learn.referee.judging import judge
+
+SHIPPED = Path(__file__).parents[1] / "arms" / "models"
+"""Arm files that ship with the package; situations call them by name."""
+Place = tuple[str, dict[str, Any]]
+
+
+def read(path: Path) -> list[Place]:
+    """Return the objects of a `.json` or `.jsonl` file, each with the place where it stands."""
+    try:
+        text = path.read_text("utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise Unreadable(f"{path}: {getattr(error, 'strerror', None) or error}") from error
+    if path.suffix != ".jsonl":
+        return [(str(path), _object(text, str(path)))]
+    lines = enumerate(text.splitlines(), start=1)
+    return [(f"{path}:{k}", _object(line, f"{path}:{k}")) for k, line in lines if line.strip()]
+
+
+def _object(text: str, place: str) -> dict[str, Any]:
+    try:
+        given = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise Unreadable(f"{place}: is not JSON: {error}") from error
+    if not isinstance(given, dict):
+        raise Unreadable(f"{place}: is not an object")
+    inner = given.get("situation")  # lines of suites
+    return inner if isinstance(inner, dict) and "arm" not in given else given
+
+
+def models_of(situation: Mapping[str, Any], folder: Path) -> dict[str, Any]:
+    """Return the arm files that a situation names: paths relative to a folder, or shipped arms."""
+    arm = situation.get("arm")
+    name = arm.get("model") if isinstance(arm, Mapping) else None
+    if not isinstance(name, str):
+        return {}
+    path = folder / name if name.endswith(".json") else SHIPPED / f"{name}.json"
+    if not name.endswith(".json") and not path.exists():
+        raise Unreadable(f'arm.model: "{name}" is not a known arm')
+    return {name: read(path)[0][1]}
+
+
+def judge_files(situations: Path, solutions: Path) -> tuple[int, Iterator[list[Complaint]]]:
+    """Return the number of situations, and an iterator over the complaints of each.
+
+    The last list has the complaints about answers to no situation.
+
+    Raises
+    ------
+    Unreadable
+        If a file cannot be judged, also while iterating.
+    """
+    asked, answers = read(situations), read(solutions)
+    names = [str(situation.get("name", "")) for _, situation in asked]
+    if len(set(names)) < len(names):
+        twice = next(name for k, name in enumerate(names) if name in names[:k])
+        raise Unreadable(f'{situations}: name: "{twice}" is there twice')
+    by_name: dict[str, list[Any]] = {}
+    for _, answer in answers:
+        by_name.setdefault(str(answer.get("name", "")), []).append(answer)
+    return len(asked), _verdicts(asked, by_name, situations.parent)
+
+
+def _verdicts(
+    asked: list[Place], answers: dict[str, list[Any]], folder: Path
+) -> Iterator[list[Complaint]]:
+    for place, situation in asked:
+        name = str(situation.get("name", ""))
+        given = answers.pop(name, [])
+        if len(given) != 1:
+            what = f"has {len(given)} answers" if given else "has no answer"
+            yield [Complaint("name", what, name=name)]
+            continue
+        try:
+            yield judge(situation, given[0], models_of(situation, folder))
+        except Unreadable as error:
+            raise Unreadable(f"{place}: {error}") from error
+    yield [
+        Complaint("name", "is not the name of a situation", name=name)
+        for name, given in answers.items()
+        for _ in given
+    ]

@@ -1,0 +1,163 @@
+"""The form of solutions: fields, types, names, times and the list of catches."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from gcm_learn.referee.complaints import Complaint
+from gcm_learn.referee.rotations import Array
+
+FIELDS = (
+    "format", "name", "planner", "status", "catch_time", "catch_body", "clearance", "planning_ms",
+    "message",
+)  # fmt: skip
+STATUSES = ("caught", "unreachable", "start_blocked")
+NULL = ("catch_time", "catch_body", "clearance")
+"""Fields that are null without a catch."""
+
+
+class Catch(NamedTuple):
+    """A target and when it is caught."""
+
+    body: str
+    time: float
+
+
+def is_number(value: Any) -> bool:
+    """Tell if a value of JSON is a finite number."""
+    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+
+
+def fields(solution: Any, name: str, version: int) -> list[Complaint]:
+    """Return complaints about the fields of any solution."""
+    if not isinstance(solution, Mapping):
+        return [Complaint("solution", "is not an object")]
+    caught = solution.get("status") == "caught"
+    listed = ("catches",) if version == 3 else ()
+    wanted = {*FIELDS, *listed, *(("trajectory",) if caught else ())}
+    complaints = [Complaint(str(field), "is missing") for field in sorted(wanted - set(solution))]
+    complaints += [
+        Complaint(str(field), "is no field of this answer") for field in set(solution) - wanted
+    ]
+    if complaints:
+        return complaints
+    form, cost = f"gcm-learn/solution@{version}", solution["planning_ms"]
+    tests = (
+        ("format", solution["format"] == form, f"is not {form}"),
+        ("name", solution["name"] == name, "is not the situation's"),
+        ("status", solution["status"] in STATUSES, f"is none of {', '.join(STATUSES)}"),
+        ("planner", isinstance(solution["planner"], str), "is not a string"),
+        ("message", _sentence(solution["message"], caught), "is not a sentence on one line"),
+        ("planning_ms", is_number(cost) and cost >= 0, "is not a number from 0 on"),
+    )
+    complaints += [Complaint(field, what) for field, kept, what in tests if not kept]
+    return complaints or ([] if caught else _without_catch(solution))
+
+
+def _sentence(message: Any, may_be_empty: bool) -> bool:
+    return isinstance(message, str) and "\n" not in message and (bool(message) or may_be_empty)
+
+
+def _without_catch(solution: Mapping[str, Any]) -> list[Complaint]:
+    odd = [field for field in NULL if solution[field] is not None]
+    odd += ["catches"] if solution.get("catches", []) != [] else []
+    return [Complaint(field, "is given without a catch") for field in odd]
+
+
+def columns_of(
+    trajectory: Any, widths: Mapping[str, int]
+) -> tuple[dict[str, Array], list[Complaint]]:
+    """Return the columns of a trajectory as arrays, and complaints about their form."""
+    if not isinstance(trajectory, Mapping):
+        return {}, [Complaint("trajectory", "is not an object")]
+    wanted = {"time", *widths}
+    odd = [(name, "is missing") for name in sorted(wanted - set(trajectory))]
+    odd += [(name, "is no column here") for name in set(trajectory) - wanted]
+    columns: dict[str, Array] = {}
+    for name in () if odd else sorted(wanted):
+        width, given = widths.get(name), trajectory[name]
+        if not _is_table(given, width):
+            shape = "numbers" if width is None else f"rows of {width} numbers"
+            odd.append((name, f"is not a list of {shape}, all of them finite"))
+        elif len(given) != len(trajectory["time"]) or not given:
+            odd.append((name, f"has {len(given)} samples"))
+        else:
+            columns[name] = np.array(given, dtype=float)
+    return columns, [Complaint(f"trajectory.{name}", what) for name, what in odd]
+
+
+def _is_table(given: Any, width: int | None) -> bool:
+    """Tell if a value is a list of finite numbers, or of rows of so many."""
+    if not isinstance(given, list):
+        return False
+    if width is None:
+        return all(map(is_number, given))
+    rows = all(isinstance(row, list) and len(row) == width for row in given)
+    return rows and all(is_number(value) for row in given for value in row)
+
+
+def times(time: Array, version: int) -> list[Complaint]:
+    """Return complaints about the times of samples."""
+    complaints, steps = [], np.diff(time)
+    if time[0] != 0.0:
+        complaints.append(Complaint("trajectory.time", "does not start at t = 0", float(time[0])))
+    wrong = steps < 0.0 if version == 1 else steps <= 0.0
+    if wrong.any():
+        at = float(time[wrong.argmax() + 1])
+        complaints.append(Complaint("trajectory.time", "does not increase", at))
+    return complaints
+
+
+def catches_of(solution: Mapping[str, Any]) -> tuple[list[Catch], list[Complaint]]:
+    """Return the catches that a solution names, and complaints about their form."""
+    last = (solution["catch_body"], solution["catch_time"])
+    if not isinstance(last[0], str):
+        return [], [Complaint("catch_body", "is not a name")]
+    if not is_number(last[1]):
+        return [], [Complaint("catch_time", "is not a finite number")]
+    if "catches" not in solution:
+        return [Catch(*last)], []
+    given = solution["catches"]
+    if not isinstance(given, list) or not given:
+        return [], [Complaint("catches", "is not a list of at least one catch")]
+    for entry in given:
+        if not isinstance(entry, Mapping) or set(entry) != {"body", "time"}:
+            return [], [Complaint("catches", "has an entry that is not body and time")]
+        if not isinstance(entry["body"], str) or not is_number(entry["time"]):
+            return [], [Complaint("catches", "has an entry without a name or a finite time")]
+    catches = [Catch(entry["body"], entry["time"]) for entry in given]
+    tests = (("catch_body", last[0], catches[-1].body), ("catch_time", last[1], catches[-1].time))
+    odd = [Complaint(name, "is not the last catch's") for name, mine, its in tests if mine != its]
+    return catches, odd
+
+
+def catch_complaints(
+    situation: Mapping[str, Any], catches: list[Catch], time: Array
+) -> list[Complaint]:
+    """Return complaints about names, times, order and number of catches."""
+    targets = [body["name"] for body in situation["bodies"] if body["role"] == "target"]
+    unknown = [catch for catch in catches if catch.body not in targets]
+    if unknown:
+        return [Complaint("catch_body", f"{c.body} is not a target", c.time) for c in unknown]
+    order = [(catch.time, targets.index(catch.body)) for catch in catches]
+    samples, last = set(time.tolist()), catches[-1].time
+    asked = situation.get("catch", "any")
+    count = {"any": 1, "all": len(targets)}.get(asked, len(catches))
+    tests = (
+        (len({catch.body for catch in catches}) == len(catches), "catch a target twice"),
+        (order == sorted(order), "are not in order of time"),
+        (all(catch.time in samples for catch in catches), "are not all at samples"),
+        (len(catches) == count, f"are {len(catches)}, asked for: {asked}"),
+    )
+    complaints = [Complaint("catches", what) for kept, what in tests if not kept]
+    if time[-1] != last:
+        what = f"is not the end of the trajectory, {time[-1]:.9g} s"
+        complaints.append(Complaint("catch_time", what, last))
+    if max(catch.time for catch in catches) > situation["horizon"]:
+        what = f"is after the horizon, {situation['horizon']:g} s"
+        complaints.append(Complaint("catch_time", what, last))
+    return complaints

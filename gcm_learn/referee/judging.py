@@ -1,0 +1,160 @@
+"""The verdict on one solution."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+from gcm_learn.referee.bodies import Body, bodies_of
+from gcm_learn.referee.complaints import Complaint, Unreadable
+from gcm_learn.referee.contact import Nearest, nearest_obstacle, overlap
+from gcm_learn.referee.form import (
+    catch_complaints,
+    catches_of,
+    columns_of,
+    fields,
+    is_number,
+    times,
+)
+from gcm_learn.referee.joint_arms import Models
+from gcm_learn.referee.kinds import Arm, Columns, arm_of, version_of
+
+EXACT = 4.0
+"""Share of the clearance's tolerance by which the referee's own may be too large, inverted."""
+
+
+class Verdict(NamedTuple):
+    """Complaints, and the clearance that the referee found."""
+
+    complaints: list[Complaint]
+    clearance: float | None
+    """Least distance of the arm to obstacles over the movement; None without any, or unexamined."""
+
+
+def judge(
+    situation: Mapping[str, Any], solution: Mapping[str, Any], models: Models | None = None
+) -> list[Complaint]:
+    """Return all promises of the exchange contract that a solution breaks.
+
+    Parameters
+    ----------
+    situation : mapping
+        Object of the format ``gcm-learn/situation@1``, ``@2`` or ``@3``.
+    solution : mapping
+        Its answer, of the format ``gcm-learn/solution`` of the same version.
+    models : mapping, optional
+        Objects of arm files, by what situations call them.
+
+    Raises
+    ------
+    Unreadable
+        If the situation is not of its format, as far as it is read.
+    """
+    return examine(situation, solution, models).complaints
+
+
+def examine(
+    situation: Mapping[str, Any], solution: Mapping[str, Any], models: Models | None = None
+) -> Verdict:
+    """Return complaints as `judge` does, and the clearance of the movement."""
+    name = str(situation.get("name", "")) if isinstance(situation, Mapping) else ""
+    try:
+        arm, version = arm_of(situation, models or {}), version_of(situation)
+        end = _end(solution, situation["horizon"])
+        bodies = bodies_of(situation["bodies"], end)
+    except Unreadable:
+        raise
+    except KeyError as error:
+        raise Unreadable(f"{error.args[0]}: is missing or unknown in the situation") from error
+    except (AttributeError, IndexError, TypeError, ValueError) as error:
+        raise Unreadable(f"situation: {' '.join(str(error).split())}") from error
+    verdict = _verdict(situation, solution, version, arm, bodies)
+    return Verdict([replace(c, name=name) for c in verdict.complaints], verdict.clearance)
+
+
+def _end(solution: Any, horizon: float) -> float:
+    """Return the time until which the motion of bodies is needed."""
+    given: Any = solution.get("catch_time") if isinstance(solution, Mapping) else None
+    return min(float(given), horizon) if is_number(given) else 0.0
+
+
+def _verdict(
+    situation: Mapping[str, Any],
+    solution: Mapping[str, Any],
+    version: int,
+    arm: Arm,
+    bodies: list[Body],
+) -> Verdict:
+    complaints = fields(solution, situation.get("name", ""), version)
+    if complaints:
+        return Verdict(complaints, None)
+    if solution["status"] != "caught":
+        return Verdict(_start(arm, bodies, solution["status"]), None)
+    columns, complaints = columns_of(solution["trajectory"], arm.columns)
+    catches, more = catches_of(solution)
+    complaints += more
+    if columns and not complaints:
+        complaints += times(columns["time"], version)
+        complaints += catch_complaints(situation, catches, columns["time"])
+    if complaints:
+        return Verdict(complaints, None)
+    complaints = arm.complaints(columns)
+    for catch in catches:
+        body = next(b for b in bodies if b.name == catch.body and b.role == "target")
+        words = arm.missed(columns, body, catch.time)
+        complaints += [Complaint("catch_body", what, catch.time) for what in words]
+    found, more = _contacts(arm, bodies, columns, solution["clearance"])
+    return Verdict([*complaints, *more], found)
+
+
+def _floor(arm: Arm) -> float:
+    """Return the signed distance below which parts are in contact."""
+    return -max(arm.granted.touch * arm.size, arm.granted.touch_absolute)
+
+
+def _start(arm: Arm, bodies: list[Body], status: str) -> list[Complaint]:
+    """Return complaints about an answer without a catch: the start is blocked or it is not."""
+    motion, hair = arm.resting(), arm.granted.blocked
+    outside = nearest_obstacle(motion, bodies, set(arm.ignored), -math.inf, 0.0)
+    itself = overlap(motion, hair)
+    free = min(outside.gap, itself.gap)
+    if status == "start_blocked" and free > hair:
+        return [Complaint("status", f"is start_blocked, {free:g} away from contact", 0.0)]
+    if status != "start_blocked" and free < -hair:
+        return [Complaint("status", f"is {status}, but the start is blocked, {-free:g} deep", 0.0)]
+    return []
+
+
+def _contacts(
+    arm: Arm, bodies: list[Body], columns: Columns, reported: Any
+) -> tuple[float | None, list[Complaint]]:
+    """Return the clearance, and complaints about contacts and about the reported clearance."""
+    complaints: list[Complaint] = []
+    close = arm.granted.clearance * arm.size
+    nearest = Nearest()
+    for k, motion in enumerate(arm.readings(columns)):
+        error = math.inf if k else close / EXACT
+        found = nearest_obstacle(motion, bodies, set(arm.ignored), _floor(arm), error)
+        nearest = nearest if k else found
+        for each in (found, overlap(motion, _floor(arm))):
+            if not each.settled:
+                complaints.append(Complaint("trajectory", "contact cannot be decided"))
+            elif each.gap < _floor(arm):
+                what = f"{each.what} touch, {-each.gap:g} deep"
+                complaints.append(Complaint("trajectory", what, each.at))
+        if complaints:
+            break
+    free = None if math.isinf(nearest.gap) else nearest.gap
+    return free, complaints or _clearance(free, reported, close)
+
+
+def _clearance(free: float | None, reported: Any, close: float) -> list[Complaint]:
+    if free is None:
+        return [] if reported is None else [Complaint("clearance", "is given without obstacles")]
+    if not is_number(reported):
+        return [Complaint("clearance", "is not a finite number")]
+    if abs(reported - free) <= close:
+        return []
+    return [Complaint("clearance", f"is {reported:g}, found {free:g}")]

@@ -1,0 +1,90 @@
+"""The table of kinds of arms: all that differs between them, beyond their own files."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Set
+from typing import Any, Protocol
+
+from gcm_learn.referee.bodies import Body
+from gcm_learn.referee.complaints import Complaint, Unreadable
+from gcm_learn.referee.contact import Motion
+from gcm_learn.referee.joint_arms import Models, read_chain, read_spatial
+from gcm_learn.referee.planar_arm import read_planar
+from gcm_learn.referee.rotations import Array
+from gcm_learn.referee.tolerances import Tolerances
+
+Columns = Mapping[str, Array]
+FORMAT = "gcm-learn/situation@"
+
+
+class Arm(Protocol):
+    """An arm in its situation."""
+
+    @property
+    def granted(self) -> Tolerances:
+        """Tolerances of the version of the format."""
+        ...
+
+    @property
+    def columns(self) -> Mapping[str, int]:
+        """Width of each column of a trajectory, besides `time`."""
+        ...
+
+    @property
+    def grasp(self) -> float:
+        """Distance at which the hand catches."""
+        ...
+
+    @property
+    def size(self) -> float:
+        """Length with which errors of distances are compared."""
+        ...
+
+    @property
+    def ignored(self) -> Set[tuple[int, str]]:
+        """Links and obstacles that are not checked."""
+        ...
+
+    def readings(self, columns: Columns) -> list[Motion]:
+        """Return the movement; several if the contract can be read in several ways."""
+        ...
+
+    def resting(self) -> Motion:
+        """Return the arm at t = 0."""
+        ...
+
+    def complaints(self, columns: Columns) -> list[Complaint]:
+        """Return complaints about the movement itself."""
+        ...
+
+    def missed(self, columns: Columns, body: Body, time: float) -> list[str]:
+        """Return complaints about a catch of a body at a time."""
+        ...
+
+
+KINDS: dict[tuple[int, str], Callable[[Mapping[str, Any], Models], Arm]] = {
+    (1, "planar"): lambda situation, models: read_planar(situation),
+    (2, "spatial"): lambda situation, models: read_spatial(2, situation["arm"]),
+    (3, "spatial"): lambda situation, models: read_spatial(3, situation["arm"]),
+    (3, "chain"): lambda situation, models: read_chain(situation["arm"], models),
+}
+"""Readers by version of the format and kind of arm."""
+
+
+def version_of(situation: Mapping[str, Any]) -> int:
+    """Return the version of a situation's format."""
+    given = str(situation.get("format"))
+    known = {version for version, _ in KINDS}
+    number = given.removeprefix(FORMAT)
+    if not given.startswith(FORMAT) or not number.isdigit() or int(number) not in known:
+        raise Unreadable(f'format: "{given}" is not a format of situations')
+    return int(number)
+
+
+def arm_of(situation: Mapping[str, Any], models: Models) -> Arm:
+    """Return the arm of a situation."""
+    version = version_of(situation)
+    kind = str(situation["arm"].get("kind", "planar"))
+    if (version, kind) not in KINDS:
+        raise Unreadable(f'arm.kind: "{kind}" is not a kind of arm of {FORMAT}{version}')
+    return KINDS[version, kind](situation, models)

@@ -1,0 +1,182 @@
+"""Laws of motion of bodies: poses at any time, and bounds of the way in between."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from gcm_learn.referee.rotations import Array, rotations, turns, unit
+
+SWING = 4e-3
+"""Step of a pendulum, as a share of the time in which it changes."""
+STEPS = 32
+"""Into which a quadratic motion is cut for bounds of its speed."""
+UNTURNED = (1.0, 0.0, 0.0, 0.0)
+
+
+class Law(NamedTuple):
+    """Motion of a body through the world."""
+
+    poses: Callable[[Array], tuple[Array, Array]]
+    """From times (k,) to centres (k, 3) and rotations (k, 3, 3) from the body to the world."""
+    knots: Array
+    """Times (m,) between which the bounds are linear [s]."""
+    way: Array
+    """Bound (m,) of the way of the centre since t = 0."""
+    turn: Array
+    """Bound (m,) of the angle by which the body has turned since t = 0 [rad]."""
+
+
+def law_of(motion: dict[str, Any], end: float) -> Law:
+    """Return the motion of a body, with bounds up to a time `end` [s]."""
+    return LAWS[motion["kind"]](motion, max(end, 1e-9))
+
+
+def _added(steps: Array) -> Array:
+    return np.concatenate([[0.0], np.cumsum(steps)])
+
+
+def _padded(vector: Any) -> Array:
+    """Return a vector of the plane or of space as one of space."""
+    return np.array([*vector, 0.0, 0.0], dtype=float)[:3]
+
+
+def _flight(motion: dict[str, Any]) -> tuple[Array, Array, Array, Array, Array]:
+    """Return position, velocity, acceleration, spin and orientation of a quadratic motion."""
+    place = [_padded(motion[name]) for name in ("position", "velocity", "acceleration")]
+    spin = motion.get("spin", 0.0)
+    if np.ndim(spin) == 0 and len(motion["position"]) == 2:
+        turn = turns([0.0, 0.0, 1.0], float(motion.get("angle", 0.0)))
+        return place[0], place[1], place[2], np.array([0.0, 0.0, float(spin)]), turn
+    turn = rotations(motion.get("orientation", UNTURNED))
+    return place[0], place[1], place[2], np.array(motion.get("spin", [0.0] * 3), float), turn
+
+
+def _flown(motion: dict[str, Any], t: Array) -> tuple[Array, Array]:
+    position, velocity, acceleration, spin, first = _flight(motion)
+    s = t[:, None]
+    turn = np.broadcast_to(first, (len(t), 3, 3))
+    if spin.any():
+        turn = turns(spin, np.linalg.norm(spin) * t) @ turn
+    return position + s * velocity + 0.5 * s * s * acceleration, turn
+
+
+def _steps(motion: dict[str, Any], knots: Array) -> tuple[Array, Array]:
+    """Return bounds of way and angle of a quadratic motion between knots.
+
+    A speed is convex in time under constant acceleration, so it is greatest at an end.
+    """
+    _, velocity, acceleration, spin, _ = _flight(motion)
+    speed = np.linalg.norm(velocity + knots[:, None] * acceleration, axis=1)
+    span = np.diff(knots)
+    return np.maximum(speed[1:], speed[:-1]) * span, np.linalg.norm(spin) * span
+
+
+def _quadratic(motion: dict[str, Any], end: float) -> Law:
+    knots = np.linspace(0.0, end, STEPS + 1)
+    way, turn = _steps(motion, knots)
+    return Law(lambda t: _flown(motion, t), knots, _added(way), _added(turn))
+
+
+def _piecewise(motion: dict[str, Any], end: float) -> Law:
+    pieces = motion["pieces"]
+    starts = np.array([piece["start"] for piece in pieces], dtype=float)
+    ends = np.append(starts[1:], max(end, float(starts[-1]) + 1e-9))
+    parts = [np.linspace(a, b, STEPS + 1) for a, b in zip(starts, ends, strict=True)]
+    bounds = [_steps(p, part - part[0]) for p, part in zip(pieces, parts, strict=True)]
+    way, turn = (np.concatenate(several) for several in zip(*bounds, strict=True))
+    knots = np.concatenate([[0.0], *(part[1:] for part in parts)])
+
+    def poses(t: Array) -> tuple[Array, Array]:
+        which = np.maximum(np.searchsorted(starts, t, side="right") - 1, 0)
+        at, turn = np.zeros((len(t), 3)), np.zeros((len(t), 3, 3))
+        for k in np.unique(which):
+            here = which == k
+            at[here], turn[here] = _flown(pieces[k], t[here] - starts[k])
+        return at, turn
+
+    return Law(poses, knots, _added(way), _added(turn))
+
+
+def _sampled(motion: dict[str, Any], end: float) -> Law:
+    times, at = (np.array(motion[name], dtype=float) for name in ("times", "positions"))
+    given = motion.get("orientations") or [UNTURNED] * len(times)
+    q = np.array(given, dtype=float)
+    if len(times) == 1:
+        times, at, q = np.array([0.0, 1.0]), np.repeat(at, 2, axis=0), np.repeat(q, 2, axis=0)
+    q = q / np.linalg.norm(q, axis=1, keepdims=True)
+    cosine = np.minimum(np.abs((q[1:] * q[:-1]).sum(axis=1)), 1.0)
+    way = np.linalg.norm(np.diff(at, axis=0), axis=1)
+
+    def poses(t: Array) -> tuple[Array, Array]:
+        k = np.clip(np.searchsorted(times, t, side="right") - 1, 0, len(times) - 2)
+        s = np.clip((t - times[k]) / (times[k + 1] - times[k]), 0.0, 1.0)[:, None]
+        return at[k] + s * (at[k + 1] - at[k]), rotations(_between(q[k], q[k + 1], s))
+
+    return Law(poses, times, _added(way), _added(2.0 * np.arccos(cosine) + 1e-7))
+
+
+def _between(p: Array, q: Array, s: Array) -> Array:
+    """Return quaternions at shares s (k, 1) of the short ways from p to q (k, 4)."""
+    cosine = (p * q).sum(axis=1, keepdims=True)
+    q, angle = np.where(cosine < 0.0, -q, q), np.arccos(np.minimum(np.abs(cosine), 1.0))
+    with np.errstate(all="ignore"):
+        arc = (np.sin((1.0 - s) * angle) * p + np.sin(s * angle) * q) / np.sin(angle)
+    return np.where(angle < 1e-6, (1.0 - s) * p + s * q, arc)
+
+
+def _pendulum(motion: dict[str, Any], end: float) -> Law:
+    pull, damping = motion["gravity"] / motion["length"], motion.get("damping", 0.0)
+    step, grid = _swing(motion["angle"], motion["rate"], pull, damping, math.ceil(1.0 + end))
+    axis, down = unit(motion["axis"]), unit(motion["down"])
+    hang, pivot = motion.get("hang", motion["length"]), np.array(motion["pivot"], dtype=float)
+
+    def poses(t: Array) -> tuple[Array, Array]:
+        k = np.clip((t / step).astype(int), 0, len(grid) - 1)
+        angle = _swung(grid[k, 0], grid[k, 1], t - k * step, pull, damping, np.sin)[0]
+        along = turns(axis, angle) @ down
+        side = np.broadcast_to(axis, along.shape)
+        turn = np.stack([np.cross(side, along), side, along], axis=-1)
+        return pivot + hang * along, turn
+
+    rate = np.abs(grid[:, 1])
+    most = np.maximum(rate[1:], rate[:-1]) + step * (pull + damping * (rate.max() + 1.0))
+    turned = _added(step * most)
+    return Law(poses, step * np.arange(len(grid)), abs(hang) * turned, turned)
+
+
+@lru_cache(maxsize=64)
+def _swing(
+    angle: float, rate: float, pull: float, damping: float, until: int
+) -> tuple[float, Array]:
+    """Return the step, and angles and rates (k, 2) of a pendulum at equal steps until a time."""
+    step = SWING / max(math.sqrt(pull), abs(rate), damping, 1e-3)
+    grid = [(angle, rate)]
+    for _ in range(math.ceil(until / step)):
+        grid.append(_swung(*grid[-1], step, pull, damping, math.sin))
+    return step, np.array(grid)
+
+
+def _swung(x: Any, v: Any, h: Any, pull: float, damping: float, sin: Any) -> tuple[Any, Any]:
+    """Return angle and rate after a step h of the classical Runge-Kutta rule."""
+    a = -pull * sin(x) - damping * v
+    v2 = v + 0.5 * h * a
+    b = -pull * sin(x + 0.5 * h * v) - damping * v2
+    v3 = v + 0.5 * h * b
+    c = -pull * sin(x + 0.5 * h * v2) - damping * v3
+    v4 = v + h * c
+    d = -pull * sin(x + h * v3) - damping * v4
+    return x + h / 6.0 * (v + 2.0 * (v2 + v3) + v4), v + h / 6.0 * (a + 2.0 * (b + c) + d)
+
+
+LAWS: dict[str, Callable[[dict[str, Any], float], Law]] = {
+    "quadratic": _quadratic,
+    "piecewise": _piecewise,
+    "sampled": _sampled,
+    "pendulum": _pendulum,
+}
+"""Laws of motion by their kind."""

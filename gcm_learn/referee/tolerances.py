@@ -1,0 +1,56 @@
+"""Tolerances of all promises, by version of the exchange format.
+
+Numbers marked *contract* are given by the exchange contract.  The others allow for rounding, or for
+numbers that are information and no promise.  Nothing else in this folder grants anything.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+ROUNDING = 1e-14
+"""Of differences of joints and of times, relative to their size."""
+WORK = 400_000
+"""Intervals that are examined for one promise of one solution; more is a complaint."""
+INTERPOLATION = 1e-3
+"""Distance between hands of planar arms by `hand` and by `joints` between samples [forearms]."""
+SIDE = 1e-6
+"""Sine of the elbow of planar arms on the wrong side."""
+LEAP = 3.0
+"""Change of a planar arm's joint between samples that is a jump [rad]."""
+
+
+@dataclass(frozen=True)
+class Tolerances:
+    """Tolerances of one version; lengths marked (size) are relative to the length of the arm."""
+
+    limit: float = 1e-6
+    """Of speeds, accelerations and hand speed, relative; *contract*."""
+    start: float = 1e-9
+    """Of posture, hand and rates at t = 0, absolute."""
+    agreement: float = 1e-6
+    """Of hand and elbow with the joints, absolute; *contract* of versions 2 and 3."""
+    range_relative: float = 1e-6
+    """Of the ends of joint ranges; *contract*."""
+    range_absolute: float = 1e-12
+    """Of joint ranges; *contract* of version 3."""
+    touch: float = 1e-9
+    """Depth of a contact that is allowed (size)."""
+    touch_absolute: float = 0.0
+    """Depth of a contact that is allowed; *contract* of version 3."""
+    grasp: float = 1e-9
+    """Of the distance at a catch (size)."""
+    grasp_absolute: float = 0.0
+    """Of the distance at a catch, and of the angle of approach; *contract* of version 3."""
+    blocked: float = 1e-6
+    """Distance to contact at t = 0 within which either status is right; *contract* of version 3."""
+    clearance: float = 1e-3
+    """Of the reported clearance (size)."""
+
+
+TOLERANCES = {
+    1: Tolerances(grasp=1e-7, clearance=2.5e-4),
+    2: Tolerances(clearance=5e-4),
+    3: Tolerances(range_absolute=1e-6, touch_absolute=1e-6, grasp_absolute=1e-6),
+}
+"""By version of the exchange format."""
