@@ -2,11 +2,36 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from gcm_learn.situation import arm_to_json, shipped_arm
-from tests.planners.test_referee_of_chains import SLIDE
-from tests.referee_of_chains import arm_of, hand_of, least_at, links_of, poses, size_of
+from tests.geometry import arm_of, hand_of, least_at, links_of, poses
+
+HALF = math.sqrt(0.5)
+SLIDE = {
+    "format": "gcm-learn/arm@1",
+    "name": "slide",
+    "joints": [
+        {"origin": [0, 0, 0.3], "axis": [0, 0, 1], "range": [-2, 2], "max_speed": 3},
+        {
+            "type": "prismatic", "origin": [0.1, 0, 0], "rotation": [HALF, 0, HALF, 0],
+            "axis": [0, 0, 1], "range": [0, 0.6], "max_speed": 1.5,
+        },
+        {
+            "origin": [0, 0, 0.2], "rotation": [HALF, HALF, 0, 0],
+            "axis": [0, 0, 1], "range": [-2, 2], "max_speed": 4,
+        },
+    ],
+    "links": [
+        {"joint": 0, "from": [0, 0, 0], "to": [0, 0, 0.2], "radius": 0.05},
+        {"joint": 2, "from": [0, 0, 0], "to": [0, 0, 0.2], "radius": 0.04},
+        {"joint": 3, "from": [0.05, 0, 0], "to": [0.3, 0, 0], "radius": 0.03},
+    ],
+    "hand": {"joint": 3, "point": [0.3, 0, 0], "axis": [1, 0, 0]},
+    "self_collision": [[0, 2]],
+}  # fmt: skip
 
 MODELS = {
     "panda": arm_to_json(shipped_arm("panda")),
@@ -26,8 +51,8 @@ def drawn(name, k):
     model = MODELS[name]
     given = {"kind": "chain", "model": model, "grasp": 0.03, "base": _base(rng, k)}
     given["posture"] = [0.0] * len(model["joints"])
-    arm = arm_of(given, {})
-    size, horizon = size_of(arm), float(rng.uniform(0.8, 1.6))
+    arm = arm_of(given)
+    size, horizon = arm.size, float(rng.uniform(0.8, 1.6))
     start = _free_posture(rng, arm, [])
     given["posture"] = start.tolist()
     if k % 5 == 3:
@@ -62,7 +87,7 @@ def _base(rng, k):
 def _free_posture(rng, arm, bodies):
     """A posture in which no pair of links overlaps, nor a link any of the bodies."""
     for _ in range(TRIES):
-        posture = rng.uniform(arm["low"], arm["high"])
+        posture = rng.uniform(arm.limits.low, arm.limits.high)
         if min(least_at({"bodies": bodies}, arm, np.zeros(1), posture[None])) > 0.01:
             return posture
     raise ValueError("no free posture")
@@ -71,10 +96,10 @@ def _free_posture(rng, arm, bodies):
 def _target(rng, arm, start, horizon, law, approached):
     """A small body whose way leads past the hand of a posture that the arm can reach in time."""
     when = float(rng.uniform(0.4, 0.8)) * horizon
-    way = rng.uniform(-0.6, 0.6, len(start)) * when * arm["speed"]
-    goal = np.clip(start + way, arm["low"], arm["high"])
+    way = rng.uniform(-0.6, 0.6, len(start)) * when * arm.limits.speed
+    goal = np.clip(start + way, arm.limits.low, arm.limits.high)
     hand, axis = hand_of(arm, goal[None])
-    made = _body(rng, "target", 0.02 * size_of(arm), _law(rng, law, hand[0], when))
+    made = _body(rng, "target", 0.02 * arm.size, _law(rng, law, hand[0], when))
     made["role"] = "target"
     if approached:
         _, turn = poses(made, np.array([when]))
@@ -84,9 +109,9 @@ def _target(rng, arm, start, horizon, law, approached):
 
 def _obstacle(rng, arm, start, bodies, name, ignored):
     """A body that is free of the arm at t = 0."""
-    size = size_of(arm)
+    size = arm.size
     for _ in range(TRIES):
-        centre = arm["origin"] + rng.uniform(-1.0, 1.0, 3) * size
+        centre = arm.geometry.base[0] + rng.uniform(-1.0, 1.0, 3) * size
         law = _law(rng, LAWS[int(rng.integers(4))], centre, float(rng.uniform(0.0, 1.0)))
         made = _body(rng, name, float(rng.uniform(0.03, 0.12)) * size, law)
         if least_at({"bodies": [made]}, arm, np.zeros(1), start[None])[0] > 0.01:

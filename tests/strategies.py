@@ -10,6 +10,7 @@ import numpy as np
 from hypothesis import strategies as st
 
 from gcm_learn.arms import Arm, Base, Chain, ChainJoint, ChainModel, Hand, Link, SpatialArm
+from gcm_learn.referee.rotations import rotations as of_quaternion
 from gcm_learn.situation import (
     CATCHES,
     Approach,
@@ -30,7 +31,6 @@ from gcm_learn.situation import (
     Sphere,
 )
 from gcm_learn.situation.timed_motion import flown
-from tests import referee_of_chains
 
 lengths = st.floats(0.01, 0.5)
 angles = st.floats(-math.pi, math.pi)
@@ -54,7 +54,7 @@ def unit_vectors(draw, size=3):
 @st.composite
 def rotations(draw):
     """Rotation matrices (3, 3), including those by quarter turns."""
-    return referee_of_chains.rotations(draw(unit_vectors(4)))
+    return of_quaternion(draw(unit_vectors(4)))
 
 
 @st.composite

@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from gcm_learn.referee.rotations import rotations as of_quaternion
 from gcm_learn.situation import Pendulum, Plane, Polygon
-from tests.referee import of_quaternion
 
 
 def turned(situation, angle):

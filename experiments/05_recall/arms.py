@@ -4,7 +4,7 @@ python -m experiments 05_recall/arms [--count 300]
 
 Situations are drawn as data/specs/space.toml says, with arms of its split `test-arms` and a seed of
 their own; the same memories are asked by the trained encoder and by raw parameters.  What is asked
-is kept in out/ and not asked again.  Every catch is judged by the tests' referee.
+is kept in out/ and not asked again.  Every catch is judged by the referee.
 """
 
 from __future__ import annotations
@@ -19,10 +19,10 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
+from experiments.common.judging import complaints
 from gcm_learn.arms import SPATIAL
 from gcm_learn.dataset import make_item, quantities_of, read_spec
 from gcm_learn.evaluation import chance, difference, holm, mcnemar, wilson
-from gcm_learn.planners import plan_to_json
 from gcm_learn.recall import (
     MEMORIES,
     RandomIndex,
@@ -33,8 +33,6 @@ from gcm_learn.recall import (
     shipped_memory,
 )
 from gcm_learn.seeding import rng
-from gcm_learn.situation import situation_to_json
-from tests.referee_of_spatial_arms import judge
 
 HERE = Path(__file__).resolve().parent
 REPOSITORY = HERE.parents[1]
@@ -122,12 +120,11 @@ def answered(asked: dict[str, Any], record: Any) -> dict[str, Any]:
     """What all say of a situation."""
     row: dict[str, Any] = {name: getattr(record, name) for name in ("index", "family", "stratum")}
     row["upper_arm"] = record.quantities["upper_arm"]
-    told = situation_to_json(record.situation)
     for name, planner in asked.items():
         since = time.process_time()
         plan = planner.plan(record.situation)
         ms = 1e3 * (time.process_time() - since)
-        found = judge(told, plan_to_json(plan, record.situation)).complaints if plan.caught else []
+        found = complaints(record.situation, plan) if plan.caught else []
         row[name] = {"caught": plan.caught, "ms": round(ms, 3), "complaints": found}
     return row
 

@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 from scipy.stats import binomtest
 
-from experiments.common.judging import complaints_in_space
+from experiments.common.judging import complaints
 from gcm_learn.arms import SPATIAL, SpatialArm
 from gcm_learn.evaluation import get_method
 from gcm_learn.execution import (
@@ -79,7 +79,7 @@ def followed(name: str, free: Spatial, body: ArmBody) -> dict[str, Any]:
     plan, ms = planned(name, free)
     told: dict[str, Any] = {"caught": plan.caught, "ms": round(ms, 2)}
     if plan.caught:
-        told["complaints"] = complaints_in_space(free, plan)
+        told["complaints"] = complaints(free, plan)
     limited = with_motor_limits(free, body)
     if name in KEEPING:
         plan, told["limited ms"] = planned(name, limited)
@@ -127,8 +127,8 @@ def judged(situation: Spatial, moves: Any) -> list[str]:
     )
     found = []
     for target in situation.targets:
-        complaints = complaints_in_space(situation, replace(plan, catch_body=target.name))
-        found.append([text for text in complaints if not text.startswith("clearance")])
+        texts = complaints(situation, replace(plan, catch_body=target.name))
+        found.append([text for text in texts if not text.startswith("clearance")])
     return min(found, key=len)
 
 

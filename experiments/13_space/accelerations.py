@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from experiments.common.judging import complaints_in_space
+from experiments.common.judging import complaints
 from gcm_learn.arms import SpatialArm
 from gcm_learn.families import draw, family_names
 from gcm_learn.planners import get_planner
@@ -47,7 +47,7 @@ def answer(family: str, index: int, ramp: float) -> dict[str, Any]:
     took = 1e3 * (clock.process_time() - since)
     broken = False
     if plan.caught:
-        broken = bool(complaints_in_space(situation, plan))
+        broken = bool(complaints(situation, plan))
     return {
         "family": family,
         "index": index,

@@ -22,7 +22,7 @@ from report import HELD, YARDSTICK
 
 from experiments import recompute
 from experiments.common import outcomes
-from experiments.common.judging import complaints_in_space
+from experiments.common.judging import complaints
 from gcm_learn import seeding
 from gcm_learn.arms import SPATIAL, SpatialArm
 from gcm_learn.families import draw, family_names
@@ -94,7 +94,7 @@ def judged(situation: Spatial, plan: Any, ms: float) -> list[Any]:
     """Catch time [s] or null, time for planning [ms], and what the referee complains of."""
     if not plan.caught:
         return [None, ms, []]
-    return [plan.catch_time, ms, complaints_in_space(situation, plan)]
+    return [plan.catch_time, ms, complaints(situation, plan)]
 
 
 def timed(situation: Spatial, planner: Any, **limits: float) -> list[Any]:
@@ -158,9 +158,9 @@ def lines_of(row: dict[str, Any]) -> Iterator[dict[str, Any]]:
     caught = row["stratum"] != "U"
     yield about | {"method": YARDSTICK, "caught": caught, "catch_time": min(times, default=None)}
     yield about | {"method": HELD, "caught": row["plane, yardstick"] != "U"}
-    for name, (time, ms, complaints) in (row["answers"] | row["costs"]).items():
+    for name, (time, ms, found) in (row["answers"] | row["costs"]).items():
         told = {"caught": time is not None, "catch_time": time, "ms": ms}
-        yield about | {"method": name, "complaints": len(complaints)} | told
+        yield about | {"method": name, "complaints": len(found)} | told
 
 
 def main() -> None:

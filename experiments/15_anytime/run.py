@@ -22,7 +22,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from experiments.common.judging import complaints_in_space, first_answer
+from experiments.common.judging import complaints, first_answer
 from experiments.common.memories import random_by_family
 from gcm_learn.dataset import make_item, read_spec
 from gcm_learn.evaluation.kinds import resting
@@ -217,7 +217,7 @@ def improved(planner: Any, control: Any, situation: Any, enough: float) -> list[
         took += process_time() - since
         if plan.catch_time is None or took > LIMIT:
             return known
-        if not complaints_in_space(situation, plan):
+        if not complaints(situation, plan):
             known.append([plan.catch_time, round(1e3 * took, 3)])
         bound = plan.catch_time - GAIN * situation.horizon
         if plan.catch_time <= enough or bound <= 0.0:

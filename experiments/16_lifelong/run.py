@@ -22,6 +22,7 @@ from typing import Any
 import report
 from stream import Met, Teacher, life, phases, planned
 
+from experiments.common.judging import complaints
 from gcm_learn import dataset
 from gcm_learn.dataset import read_spec
 from gcm_learn.recall import (
@@ -37,7 +38,6 @@ from gcm_learn.recall import (
 )
 from gcm_learn.recall.growth import Step
 from gcm_learn.storage import write_whole
-from tests.referee import judge
 
 HERE = Path(__file__).resolve().parent
 SPEC = HERE.parents[1] / "data" / "specs" / "recall.toml"
@@ -121,7 +121,7 @@ class Judged(RecallPlanner):
         found = super().recollect(situation)
         if found.plan.caught:
             if self.judged[0] % self.each == 0:
-                self.complaints.extend(judge(situation, found.plan).complaints)
+                self.complaints.extend(complaints(situation, found.plan))
                 self.judged[1] += 1
             self.judged[0] += 1
         return found

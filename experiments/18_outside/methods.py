@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import frozen
 from suites import Question
 
-from experiments.common.judging import complaints_of_chains
+from experiments.common.judging import complaints
 from gcm_learn.arms import CHAIN
 from gcm_learn.evaluation.kinds import resting
 from gcm_learn.planners import Plan, STRRTStarPlanner, get_planner, takes
@@ -51,7 +51,7 @@ class Judged:
         moves: Any = plan.trajectory
         key = moves.time.tobytes() + moves.joints.tobytes()
         if key not in self._known:
-            self._known[key] = complaints_of_chains(situation, plan)
+            self._known[key] = complaints(situation, plan)
         return self._known[key]
 
 

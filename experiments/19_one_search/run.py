@@ -20,7 +20,7 @@ from chains import as_chain
 
 from experiments import recompute
 from experiments.common import outcomes
-from experiments.common.judging import Referee, complaints_in_space, complaints_of_chains
+from experiments.common.judging import complaints
 from gcm_learn import families, seeding
 from gcm_learn.cli.progress import Progress
 from gcm_learn.dataset import read_spec
@@ -63,11 +63,6 @@ def answers(situation: Any, planner: Any, complain: Any) -> Iterator[tuple[str, 
         yield words, found | {"complaints": complaints}
 
 
-def complaints_in_plane(situation: Any, plan: Any) -> list[bool]:
-    """The referee of planar arms complains at every density of its samples, or not."""
-    return [True] if Referee().broken(situation, plan) else []
-
-
 def rows_in_space(planners: dict[str, str]) -> Iterator[dict[str, Any]]:
     """Yield the answers of planners in space, by the names of the methods."""
     asked = {method: get_planner(name) for method, name in planners.items()}
@@ -75,12 +70,12 @@ def rows_in_space(planners: dict[str, str]) -> Iterator[dict[str, Any]]:
         drawn = list(in_space(kind))
         for _, situation in drawn[:: COUNT // 12]:  # kernels are loaded
             for planner in asked.values():
-                list(answers(situation, planner, complaints_in_space))
+                list(answers(situation, planner, complaints))
         with Progress(len(drawn), "situations") as bar:
             for family, situation in drawn:
                 about = {"situation": situation.name, "stratum": kind, "family": family}
                 for method, planner in asked.items():
-                    for words, found in answers(situation, planner, complaints_in_space):
+                    for words, found in answers(situation, planner, complaints):
                         yield about | found | {"method": method + words}
                 bar.advance()
 
@@ -95,9 +90,9 @@ def rows_in_plane() -> Iterator[dict[str, Any]]:
     with Progress(len(drawn), "situations") as bar:
         for family, planar, chain in drawn:
             about = {"situation": planar.name, "stratum": "plane", "family": family}
-            for words, found in answers(planar, planner, complaints_in_plane):
+            for words, found in answers(planar, planner, complaints):
                 yield about | found | {"method": CELLS + words}
-            for words, found in answers(chain, planner, complaints_of_chains):
+            for words, found in answers(chain, planner, complaints):
                 yield about | found | {"method": TREES + words}
             bar.advance()
 

@@ -1,4 +1,4 @@
-"""Is what was called caught ever not? Random situations, planned for, judged by the tests' referee.
+"""Is what was called caught ever not? Random situations, planned for, judged by the referee.
 
     python -m experiments benchmarks/promise plane --catches 50000
     python -m experiments benchmarks/promise space --catches 10000 --planner layered straight
@@ -28,16 +28,15 @@ from typing import Any
 
 import numpy as np
 
+from experiments.common import judging
 from gcm_learn import families, get_planner, read_situations, rng
 from gcm_learn.arms import SpatialArm
 from gcm_learn.situation import AnySituation, Pendulum, Situation, SolidQuadratic
 from gcm_learn.storage import write_whole
-from tests.referee import judge
 
 ROOT = Path(__file__).resolve().parents[2]
 OUT = Path(__file__).parent / "out"
 EVERY = 10.0  # what is found is written down this often [s]
-CLOSER = 8000  # instants of a second look: the referee of the plane samples time
 BARREN = 500  # items in a row without a claim, after which there is nothing to be judged
 SHIFT = 0.1  # of bodies and joints of a file's situations [arm's reach, rad]
 
@@ -113,11 +112,8 @@ def complaints(situation: AnySituation, planner: str) -> tuple[list[str] | None,
     if not plan.caught:
         return None, 0.0
     begun = time.perf_counter()
-    found = judge(situation, plan).complaints
-    spent = 1e3 * (time.perf_counter() - begun)
-    if found and not situation.is_spatial:
-        found = judge(situation, plan, CLOSER).complaints
-    return found, spent
+    found = judging.complaints(situation, plan)
+    return found, 1e3 * (time.perf_counter() - begun)
 
 
 def account_of(path: Path, asked: dict[str, Any]) -> Account:

@@ -24,6 +24,7 @@ from dataclasses import replace
 import numpy as np
 from numba import njit
 
+from experiments.common.judging import complaints
 from gcm_learn import Lattice, MarchingParams, WaveParams, families, get_planner, rng
 from gcm_learn.arms import Arm, SpatialArm
 from gcm_learn.charts import PostureLattice, hand_space, occupied_cells, posture_lattice_of
@@ -40,7 +41,6 @@ from gcm_learn.wave import (
     stencil,
 )
 from gcm_learn.wave.reference import propagate_reference
-from tests.referee import judge
 
 SPEED = 3.4  # hand speed at which kappa is about 1/400 s
 TAU = 400.0
@@ -317,7 +317,7 @@ def layered_against_marching(situations: int = 60) -> str:
 
 
 def violations(situations: int) -> str:
-    """Plans reported as caught that break a promise, by the tests' independent referee."""
+    """Plans reported as caught that break a promise, by the independent referee."""
     lines = []
     for name in ("gcm", "marching", "layered", "straight"):
         planner, caught, broken, ms = get_planner(name), 0, 0, []
@@ -327,7 +327,7 @@ def violations(situations: int) -> str:
             ms.append(plan.planning_ms)
             if plan.caught:
                 caught += 1
-                broken += bool(judge(situation, plan, instants=400).complaints)
+                broken += bool(complaints(situation, plan))
         lines.append(
             f"{name}: {broken} of {caught} caught of {situations} "
             f"(median {np.median(ms):.2f} ms, 99 % {np.percentile(ms, 99):.1f} ms)"

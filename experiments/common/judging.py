@@ -1,22 +1,19 @@
-"""Answers of planners with their processor time, and verdicts of the tests' referees on them."""
+"""Answers of planners with their processor time, and verdicts of the referee on them."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from time import process_time
 from typing import Any
 
 import numpy as np
 
 from experiments.common.counting import counted
-from gcm_learn.arms import CHAIN, SPATIAL, ByKind
 from gcm_learn.planners import Plan, plan_to_json
 from gcm_learn.recall import HybridPlanner, RecallPlanner
+from gcm_learn.referee import judge
 from gcm_learn.situation import situation_to_json
 from gcm_learn.storage import content_hash
-from tests import referee, referee_of_chains, referee_of_spatial_arms
-
-CLOSER = (1000, 8000)  # instants of further checks: the referee of planar arms samples time
 
 
 @dataclass
@@ -26,36 +23,19 @@ class Referee:
     known: dict[str, bool] = field(default_factory=dict)
 
     def broken(self, situation: Any, plan: Plan) -> bool:
-        """Return whether a catch breaks its promise, in the plane at every density of samples."""
+        """Return whether a catch breaks its promise."""
         path: Any = plan.trajectory
-        places = path.joints if JUDGES.takes(situation) else path.hand
-        parts = (path.time, places, np.array([plan.clearance, plan.catch_time]))
+        parts = (path.time, path.joints, np.array([plan.clearance, plan.catch_time]))
         key = content_hash(repr(situation), *(np.ascontiguousarray(a).tobytes() for a in parts))
         if key not in self.known:
-            self.known[key] = self._broken(situation, plan)
+            self.known[key] = bool(complaints(situation, plan))
         return self.known[key]
 
-    def _broken(self, situation: Any, plan: Plan) -> bool:
-        if JUDGES.takes(situation):
-            return bool(JUDGES.of(situation)(situation, plan))
-        looks = (referee.judge(situation, plan, *more) for more in ((), *((n,) for n in CLOSER)))
-        return all(look.complaints for look in looks)
 
-
-def complaints_in_space(situation: Any, plan: Plan) -> list[str]:
-    """Complaints of the referee of spatial arms."""
+def complaints(situation: Any, plan: Plan) -> list[str]:
+    """Complaints of the referee, each as a field and what is wrong with it."""
     records = situation_to_json(situation), plan_to_json(plan, situation)
-    return referee_of_spatial_arms.judge(*records).complaints
-
-
-def complaints_of_chains(situation: Any, plan: Plan) -> list[str]:
-    """Complaints of the referee of chains."""
-    records = situation_to_json(situation), plan_to_json(plan, situation)
-    return referee_of_chains.judge(*records).complaints
-
-
-JUDGES = ByKind({SPATIAL: complaints_in_space, CHAIN: complaints_of_chains})
-"""Referees of arms in joints, which are exact."""
+    return [str(replace(c, name="")).removeprefix(": ") for c in judge(*records)]
 
 
 def outcome(planner: Any, situation: Any, referee: Referee) -> dict[str, Any]:
@@ -74,9 +54,7 @@ def judged(plan: Plan, situation: Any, referee: Referee, ms: float) -> dict[str,
     row = {"caught": plan.caught, "catch_time": plan.catch_time, "ms": ms}
     if not plan.caught:
         return row
-    if not JUDGES.takes(situation):
-        return row | {"complaints": int(referee.broken(situation, plan))}
-    return row | {"complaints": len(JUDGES.of(situation)(situation, plan))}
+    return row | {"complaints": len(complaints(situation, plan))}
 
 
 def counts(planner: Any, situation: Any) -> dict[str, int]:
@@ -92,5 +70,5 @@ def first_answer(planner: Any, situation: Any) -> dict[str, Any]:
     took = 1e3 * (process_time() - since)
     row: dict[str, Any] = {"catch": plan.catch_time, "ms": round(took, 3)}
     if plan.caught:
-        row["complaints"] = complaints_in_space(situation, plan)
+        row["complaints"] = complaints(situation, plan)
     return row

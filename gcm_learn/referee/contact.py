@@ -1,11 +1,12 @@
 """Distances over a whole movement, with proof: no instant between samples is left out.
 
 An interval of time is settled by the distance in its middle and by bounds of the ways that both
-parts make until its ends.  What is not settled is divided.
+parts make until its ends.  Other intervals are divided.
 """
 
 from __future__ import annotations
 
+from collections.abc import Set
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -64,7 +65,8 @@ class Nearest:
 class _Intervals:
     """Intervals of time with an index each of what is compared in them."""
 
-    def __init__(self, edges: Array, count: int) -> None:
+    def __init__(self, edges: Array, count: int, work: int) -> None:
+        self.work = work
         low, high = edges[:-1], edges[1:]
         self.low, self.high = (np.tile(t, count) for t in (low, high))
         self.which = np.repeat(np.arange(count), len(low))
@@ -93,11 +95,16 @@ class _Intervals:
 
     @property
     def exhausted(self) -> bool:
-        return self.spent > WORK
+        return self.spent > self.work
 
 
 def nearest_obstacle(
-    motion: Motion, bodies: list[Body], ignored: set[tuple[int, str]], floor: float, close: float
+    motion: Motion,
+    bodies: list[Body],
+    ignored: Set[tuple[int, str]],
+    floor: float,
+    close: float,
+    work: int = WORK,
 ) -> Nearest:
     """Return the least distance of links and obstacles.
 
@@ -107,6 +114,8 @@ def nearest_obstacle(
         Distances below it are contacts.
     close : float
         Allowed error of a distance that is no contact.
+    work : int
+        Intervals that are examined at most.
     """
     obstacles = [body for body in bodies if body.role == "obstacle"]
     links = range(len(motion.radii))
@@ -116,7 +125,7 @@ def nearest_obstacle(
     if not pairs:
         return Nearest()
     link, body = np.array(pairs).T
-    items, best, upper = _Intervals(motion.starts(), len(pairs)), Nearest(), np.inf
+    items, best, upper = _Intervals(motion.starts(), len(pairs), work), Nearest(), np.inf
     while not items.settled:
         if items.exhausted:
             return Nearest(best.gap, best.at, best.what, settled=False)
@@ -158,13 +167,13 @@ def _poses(bodies: list[Body], times: Array) -> tuple[Array, Array]:
     return np.array(centres), np.array(turns)
 
 
-def overlap(motion: Motion, floor: float) -> Nearest:
+def overlap(motion: Motion, floor: float, work: int = WORK) -> Nearest:
     """Return a distance of two links below a floor, or none at all."""
     if not len(motion.pairs):
         return Nearest()
     first, second = motion.pairs.T
     radii = motion.radii[first] + motion.radii[second]
-    items = _Intervals(motion.starts(), len(first))
+    items = _Intervals(motion.starts(), len(first), work)
     while not items.settled:
         if items.exhausted:
             return Nearest(settled=False)

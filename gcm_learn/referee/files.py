@@ -9,9 +9,8 @@ from typing import Any
 
 from gcm_learn.referee.complaints import Complaint, Unreadable
 from gcm_learn.referee.judging import judge
+from gcm_learn.referee.kinds import checked
 
-SHIPPED = Path(__file__).parents[1] / "arms" / "models"
-"""Arm files that ship with the package; situations call them by name."""
 Place = tuple[str, dict[str, Any]]
 
 
@@ -39,15 +38,12 @@ def _object(text: str, place: str) -> dict[str, Any]:
 
 
 def models_of(situation: Mapping[str, Any], folder: Path) -> dict[str, Any]:
-    """Return the arm files that a situation names: paths relative to a folder, or shipped arms."""
+    """Return the arm file to which a situation gives a path, relative to a folder."""
     arm = situation.get("arm")
     name = arm.get("model") if isinstance(arm, Mapping) else None
-    if not isinstance(name, str):
+    if not isinstance(name, str) or not name.endswith(".json"):
         return {}
-    path = folder / name if name.endswith(".json") else SHIPPED / f"{name}.json"
-    if not name.endswith(".json") and not path.exists():
-        raise Unreadable(f'arm.model: "{name}" is not a known arm')
-    return {name: read(path)[0][1]}
+    return {name: read(folder / name)[0][1]}
 
 
 def judge_files(situations: Path, solutions: Path) -> tuple[int, Iterator[list[Complaint]]]:
@@ -75,14 +71,15 @@ def _verdicts(
     asked: list[Place], answers: dict[str, list[Any]], folder: Path
 ) -> Iterator[list[Complaint]]:
     for place, situation in asked:
-        name = str(situation.get("name", ""))
-        given = answers.pop(name, [])
-        if len(given) != 1:
-            what = f"has {len(given)} answers" if given else "has no answer"
-            yield [Complaint("name", what, name=name)]
-            continue
         try:
-            yield judge(situation, given[0], models_of(situation, folder))
+            checked(situation)
+            name = str(situation.get("name", ""))
+            given = answers.pop(name, [])
+            if len(given) == 1:
+                yield judge(situation, given[0], models_of(situation, folder))
+            else:
+                what = f"has {len(given)} answers" if given else "has no answer"
+                yield [Complaint("name", what, name=name)]
         except Unreadable as error:
             raise Unreadable(f"{place}: {error}") from error
     yield [

@@ -80,13 +80,15 @@ def columns_of(
     columns: dict[str, Array] = {}
     for name in () if odd else sorted(wanted):
         width, given = widths.get(name), trajectory[name]
-        if not _is_table(given, width):
+        if _is_table(given, width):
+            columns[name] = np.array(given, dtype=float)
+        else:
             shape = "numbers" if width is None else f"rows of {width} numbers"
             odd.append((name, f"is not a list of {shape}, all of them finite"))
-        elif len(given) != len(trajectory["time"]) or not given:
-            odd.append((name, f"has {len(given)} samples"))
-        else:
-            columns[name] = np.array(given, dtype=float)
+    if not odd:
+        n = len(columns["time"])
+        counts = ((name, len(column)) for name, column in columns.items())
+        odd = [(name, f"has {count} samples") for name, count in counts if count != n or not n]
     return columns, [Complaint(f"trajectory.{name}", what) for name, what in odd]
 
 

@@ -10,11 +10,13 @@ import numpy as np
 
 from gcm_learn.referee.bodies import Body
 from gcm_learn.referee.chain import ZERO, ChainMotion, Geometry, joint_of
-from gcm_learn.referee.complaints import Complaint, Unreadable
+from gcm_learn.referee.complaints import Complaint
 from gcm_learn.referee.contact import Motion
 from gcm_learn.referee.curves import Curve, curve_of
 from gcm_learn.referee.limits import Limits, hand_complaints, joint_complaints
+from gcm_learn.referee.models import shipped_model
 from gcm_learn.referee.rotations import Array, rotations, unit
+from gcm_learn.referee.situations import check_model
 from gcm_learn.referee.tolerances import TOLERANCES, Tolerances
 
 Columns = Mapping[str, Array]
@@ -134,13 +136,12 @@ def read_chain(arm: Mapping[str, Any], models: Models) -> JointArm:
     arm : mapping
         Field ``arm`` of a situation.
     models : mapping
-        Objects of arm files, by what situations call them.
+        Objects of arm files, by what situations call them; others are those that ship.
     """
     model = arm["model"]
     if isinstance(model, str):
-        if model not in models:
-            raise Unreadable(f'arm.model: "{model}" is not a known arm')
-        model = models[model]
+        model = models[model] if model in models else shipped_model(model)
+    check_model(model, arm)
     own = [joint.get("max_acceleration") for joint in model["joints"]]
     acceleration = arm.get("max_acceleration", None if own[0] is None else own)
     return _arm(

@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 from gcm_learn.referee.bodies import Body, bodies_of
-from gcm_learn.referee.complaints import Complaint, Unreadable
+from gcm_learn.referee.complaints import Complaint
 from gcm_learn.referee.contact import Nearest, nearest_obstacle, overlap
 from gcm_learn.referee.form import (
     catch_complaints,
@@ -20,6 +20,7 @@ from gcm_learn.referee.form import (
 )
 from gcm_learn.referee.joint_arms import Models
 from gcm_learn.referee.kinds import Arm, Columns, arm_of, version_of
+from gcm_learn.referee.tolerances import WORK, WORK_BROKEN
 
 EXACT = 4.0
 """Share of the clearance's tolerance by which the referee's own may be too large, inverted."""
@@ -45,12 +46,12 @@ def judge(
     solution : mapping
         Its answer, of the format ``gcm-learn/solution`` of the same version.
     models : mapping, optional
-        Objects of arm files, by what situations call them.
+        Objects of arm files, by what situations call them; others are those that ship.
 
     Raises
     ------
     Unreadable
-        If the situation is not of its format, as far as it is read.
+        If the situation is not of its format.
     """
     return examine(situation, solution, models).complaints
 
@@ -59,17 +60,9 @@ def examine(
     situation: Mapping[str, Any], solution: Mapping[str, Any], models: Models | None = None
 ) -> Verdict:
     """Return complaints as `judge` does, and the clearance of the movement."""
-    name = str(situation.get("name", "")) if isinstance(situation, Mapping) else ""
-    try:
-        arm, version = arm_of(situation, models or {}), version_of(situation)
-        end = _end(solution, situation["horizon"])
-        bodies = bodies_of(situation["bodies"], end)
-    except Unreadable:
-        raise
-    except KeyError as error:
-        raise Unreadable(f"{error.args[0]}: is missing or unknown in the situation") from error
-    except (AttributeError, IndexError, TypeError, ValueError) as error:
-        raise Unreadable(f"situation: {' '.join(str(error).split())}") from error
+    arm, version = arm_of(situation, models or {}), version_of(situation)
+    name = situation.get("name", "")
+    bodies = bodies_of(situation["bodies"], _end(solution, situation["horizon"]))
     verdict = _verdict(situation, solution, version, arm, bodies)
     return Verdict([replace(c, name=name) for c in verdict.complaints], verdict.clearance)
 
@@ -105,7 +98,8 @@ def _verdict(
         body = next(b for b in bodies if b.name == catch.body and b.role == "target")
         words = arm.missed(columns, body, catch.time)
         complaints += [Complaint("catch_body", what, catch.time) for what in words]
-    found, more = _contacts(arm, bodies, columns, solution["clearance"])
+    work = WORK_BROKEN if complaints else WORK
+    found, more = _contacts(arm, bodies, columns, solution["clearance"], work)
     return Verdict([*complaints, *more], found)
 
 
@@ -117,7 +111,7 @@ def _floor(arm: Arm) -> float:
 def _start(arm: Arm, bodies: list[Body], status: str) -> list[Complaint]:
     """Return complaints about an answer without a catch: the start is blocked or it is not."""
     motion, hair = arm.resting(), arm.granted.blocked
-    outside = nearest_obstacle(motion, bodies, set(arm.ignored), -math.inf, 0.0)
+    outside = nearest_obstacle(motion, bodies, arm.ignored, -math.inf, 0.0)
     itself = overlap(motion, hair)
     free = min(outside.gap, itself.gap)
     if status == "start_blocked" and free > hair:
@@ -128,7 +122,7 @@ def _start(arm: Arm, bodies: list[Body], status: str) -> list[Complaint]:
 
 
 def _contacts(
-    arm: Arm, bodies: list[Body], columns: Columns, reported: Any
+    arm: Arm, bodies: list[Body], columns: Columns, reported: Any, work: int
 ) -> tuple[float | None, list[Complaint]]:
     """Return the clearance, and complaints about contacts and about the reported clearance."""
     complaints: list[Complaint] = []
@@ -136,9 +130,9 @@ def _contacts(
     nearest = Nearest()
     for k, motion in enumerate(arm.readings(columns)):
         error = math.inf if k else close / EXACT
-        found = nearest_obstacle(motion, bodies, set(arm.ignored), _floor(arm), error)
+        found = nearest_obstacle(motion, bodies, arm.ignored, _floor(arm), error, work)
         nearest = nearest if k else found
-        for each in (found, overlap(motion, _floor(arm))):
+        for each in (found, overlap(motion, _floor(arm), work)):
             if not each.settled:
                 complaints.append(Complaint("trajectory", "contact cannot be decided"))
             elif each.gap < _floor(arm):

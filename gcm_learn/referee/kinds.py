@@ -11,6 +11,7 @@ from gcm_learn.referee.contact import Motion
 from gcm_learn.referee.joint_arms import Models, read_chain, read_spatial
 from gcm_learn.referee.planar_arm import read_planar
 from gcm_learn.referee.rotations import Array
+from gcm_learn.referee.situations import check_situation
 from gcm_learn.referee.tolerances import Tolerances
 
 Columns = Mapping[str, Array]
@@ -73,6 +74,8 @@ KINDS: dict[tuple[int, str], Callable[[Mapping[str, Any], Models], Arm]] = {
 
 def version_of(situation: Mapping[str, Any]) -> int:
     """Return the version of a situation's format."""
+    if not isinstance(situation, Mapping):
+        raise Unreadable("situation: is not an object")
     given = str(situation.get("format"))
     known = {version for version, _ in KINDS}
     number = given.removeprefix(FORMAT)
@@ -82,9 +85,16 @@ def version_of(situation: Mapping[str, Any]) -> int:
 
 
 def arm_of(situation: Mapping[str, Any], models: Models) -> Arm:
-    """Return the arm of a situation."""
-    version = version_of(situation)
-    kind = str(situation["arm"].get("kind", "planar"))
-    if (version, kind) not in KINDS:
-        raise Unreadable(f'arm.kind: "{kind}" is not a kind of arm of {FORMAT}{version}')
+    """Return the arm of a situation, which is checked first."""
+    version, kind = checked(situation)
     return KINDS[version, kind](situation, models)
+
+
+def checked(situation: Mapping[str, Any]) -> tuple[int, str]:
+    """Return version and kind of arm of a situation that has the form of its format."""
+    version, arm = version_of(situation), situation.get("arm")
+    kind = arm.get("kind", "planar") if isinstance(arm, Mapping) else "planar"
+    if "arm" in situation and not (isinstance(kind, str) and (version, kind) in KINDS):
+        raise Unreadable(f"arm.kind: {kind} is not a kind of arm of {FORMAT}{version}")
+    check_situation(situation, version, kind)
+    return version, kind

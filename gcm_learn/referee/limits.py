@@ -129,8 +129,8 @@ def _square(
 def _bounds(geometry: Geometry, curve: Curve, hand: tuple[int, Array]) -> tuple[Array, Array]:
     """Return bounds (n,) of the hand's speed, and of half the second derivative of its square.
 
-    The k-th derivative of a vector that rotations turn one after the other is at most its length
-    times the k-th complete Bell polynomial of the sums of the angles' derivatives.
+    Rotations turn a vector one after the other.  Its k-th derivative is at most its length times
+    the k-th complete Bell polynomial of the sums of the angles' derivatives.
     """
     x, y, z = (curve.most(order) for order in (1, 2, 3))
     turned = [np.zeros(len(x)) for _ in range(3)]

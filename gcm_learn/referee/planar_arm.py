@@ -126,7 +126,7 @@ class PlanarArm:
         ]
 
     def _joints(self, columns: Columns) -> list[Complaint]:
-        """Return complaints about joints that are not those of the hand."""
+        """Return complaints about joints that do not fit the hand."""
         joints, time = columns["joints"], columns["time"]
         off = np.abs(self.forward(joints)[1] - columns["hand"]).max(axis=1)
         leaps = np.abs(np.diff(joints, axis=0)).max(axis=1, initial=0.0)

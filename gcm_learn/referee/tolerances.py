@@ -12,6 +12,8 @@ ROUNDING = 1e-14
 """Of differences of joints and of times, relative to their size."""
 WORK = 400_000
 """Intervals that are examined for one promise of one solution; more is a complaint."""
+WORK_BROKEN = 10_000
+"""The same for contacts of a movement that breaks other promises anyway."""
 INTERPOLATION = 1e-3
 """Distance between hands of planar arms by `hand` and by `joints` between samples [forearms]."""
 SIDE = 1e-6

@@ -29,7 +29,7 @@ from gcm_learn.arms.curves import hermite, on_curve
 from gcm_learn.motion.joint_verification import hand_too_fast
 from gcm_learn.situation.arm_json import arm_members
 from tests import strategies
-from tests.referee_of_chains import arm_of, hand_of, links_of
+from tests.geometry import arm_of, hand_of, links_of
 
 SEEDS = st.integers(0, 2**32 - 1)
 HAIR = 1e-9
@@ -37,7 +37,7 @@ HAIR = 1e-9
 
 def judged(arm):
     """An arm as the referee reads it."""
-    return arm_of(arm_members(arm), {})
+    return arm_of(arm_members(arm))
 
 
 def postures(arm, seed, count):

@@ -16,6 +16,7 @@ from gcm_learn.evaluation.suites import Entry
 from gcm_learn.motion import rules_of, verify
 from gcm_learn.planners import plan_to_json
 from gcm_learn.plots import animate, plan_figure
+from gcm_learn.referee import judge
 from gcm_learn.scene import pack
 from gcm_learn.situation import (
     Body,
@@ -27,7 +28,7 @@ from gcm_learn.situation import (
     situation_to_json,
 )
 from tests.arms.crane import BOOM, CRANE, ROD, Crane, CraneLimb
-from tests.referee_of_chains import arm_of, hand_of, judge
+from tests.geometry import arm_of, hand_of
 
 pytestmark = pytest.mark.slow  # compiled anew for the crane, whose code is not kept
 
@@ -84,13 +85,13 @@ def behind_a_post(arm=ARM):
 def verdict(situation, plan):
     """The referee's, of the same situation with the crane as a chain."""
     given = situation_to_json(situation) | {"arm": as_chain(situation.arm)}
-    return judge(given, plan_to_json(plan, situation)).complaints
+    return judge(given, plan_to_json(plan, situation))
 
 
 def test_it_stands_where_the_same_chain_does():
     joints = np.random.default_rng(1).uniform(*np.array(ARM.joint_range).T, (20, 3))
     for mine, theirs in zip(
-        hands_along(ARM, joints), hand_of(arm_of(as_chain(ARM), {}), joints), strict=True
+        hands_along(ARM, joints), hand_of(arm_of(as_chain(ARM)), joints), strict=True
     ):
         assert mine == pytest.approx(theirs)
 

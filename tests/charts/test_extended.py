@@ -14,7 +14,7 @@ from gcm_learn.charts import Lattice, extended_obstacle, occupied_cells, upper_a
 from gcm_learn.charts.extended import reach_angle
 from gcm_learn.charts.lattice import hand_space
 from gcm_learn.situation import Body, Disc, PlanarQuadratic, Polygon, Situation
-from tests.referee import elbow_of, point_distances, segment_distances
+from tests.planar_geometry import elbow_of, point_distances, segment_distances
 
 sides = st.sampled_from(["right", "left"])
 uppers = st.sampled_from([1.0, 0.6, 1.5]) | st.floats(0.3, 3.0)

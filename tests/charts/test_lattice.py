@@ -9,7 +9,7 @@ from gcm_learn.arms import Arm
 from gcm_learn.charts import Lattice
 from gcm_learn.charts.lattice import hand_space
 from gcm_learn.errors import LatticeError
-from tests.referee import elbow_of
+from tests.planar_geometry import elbow_of
 
 ARMS = [(1.0, "right"), (0.7, "left"), (1.4, "right")]
 

@@ -16,15 +16,9 @@ from gcm_learn import seeding
 from gcm_learn.collision.postures import desk_of, distance_at
 from gcm_learn.scene import pack
 from gcm_learn.situation import situation_from_json
-from tests.planners.test_referee_of_spatial_arms import ARM, SHAPES, ball, body, law, still
-from tests.referee_of_spatial_arms import (
-    body_of,
-    forward,
-    geometry_of,
-    limb_room,
-    pose_of,
-    swing_steps,
-)
+from tests.geometry import arm_of, hand_of, least_at, links_of, poses
+from tests.referee.answers import SPATIAL_ARM as ARM
+from tests.worlds import SHAPES, ball, body, law, still
 
 SKIN = 0.05  # radius of the capsules that stand for bones
 ROUNDING = 1e-6
@@ -64,7 +58,7 @@ def apart(first, second):
 def asked(shape, kind, count=1500):
     """Distances of limb and obstacle at random postures and times: fcl's, ours, the referee's."""
     rng, rows = seeding.rng(5, SHAPES.index(shape)), []
-    shoulder = np.array(ARM["base"]["origin"])
+    shoulder, arm = np.array(ARM["base"]["origin"]), arm_of(ARM | {"thickness": 0.0})
     goal = body("target", "goal", ball(0.1), still([9.0, 0.0, 0.0]))
     while len(rows) < count:
         motion = law(rng, kind)
@@ -74,16 +68,15 @@ def asked(shape, kind, count=1500):
         made = {"format": "gcm-learn/situation@2", "name": "", "horizon": 1.0}
         scene = pack(situation_from_json(made | {"arm": ARM, "bodies": [goal, post]}))
         desk = desk_of(scene)
-        row, table = body_of(post, 1.0, swing_steps([post], 1.0))
         for t in rng.random(25):
             q = rng.uniform(*np.transpose(ARM["joint_range"]))
-            elbow, hand = forward(ARM, q)
-            place = pose_of(row, table, t)
-            lies = fcl.Transform(place[3:].reshape(3, 3), place[:3])
+            hand, elbow = hand_of(arm, q[None])[0][0], links_of(arm, q[None])[0][0, 1, 0]
+            (centre,), (turn,) = poses(post, [t])
+            lies = fcl.Transform(turn, centre)
             solid = fcl.CollisionObject(solid_of(shape), lies)
             limb = (bone(shoulder, elbow), bone(elbow, hand))
             theirs = min(apart(part, solid) for part in limb)
-            found = limb_room(row, place, elbow, hand, geometry_of(ARM))
+            found = least_at({"bodies": [post]}, arm, np.array([t]), q[None])[0]
             rows.append((theirs + SKIN, distance_at(scene, q, t, desk), found))
     return np.array(rows).T
 

@@ -28,7 +28,7 @@ from gcm_learn.situation import (
     Sphere,
 )
 from tests import strategies
-from tests.referee import _segment_polygon, point_distances
+from tests.planar_geometry import point_distances, segment_distances
 from tests.transforms import quaternion_of
 
 FLAT = Plane((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
@@ -101,8 +101,8 @@ def test_distance_to_polygons_is_that_of_brute_force(shape, angle, centre, a, b)
     sampled = point_distances(shape, pose, np.asarray(a) + share * np.subtract(b, a)).min()
     spacing = math.dist(a, b) / 2000
     assert sampled - 0.5 * spacing - 1e-9 <= found <= sampled + 1e-9
-    inward = [(np.array([p]) - centre) @ np.array([[c, -s], [s, c]]) for p in (a, b)]
-    assert found == pytest.approx(_segment_polygon(np.array(shape.vertices), *inward)[0], abs=1e-9)
+    expected = segment_distances(shape, (pose[0], pose[1][None]), np.array([a]), np.array([b]))
+    assert found == pytest.approx(expected[0], abs=1e-9)
 
 
 @pytest.mark.parametrize("shape", SOLIDS + PLANAR, ids=lambda s: s.kind)

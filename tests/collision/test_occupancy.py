@@ -15,7 +15,7 @@ from gcm_learn.families.random_solid import random_solid
 from gcm_learn.scene.bodies import poses_at
 from gcm_learn.scene.packing import pack_bodies
 from gcm_learn.situation import Body, Disc, PlanarQuadratic, Situation
-from tests.referee import elbow_of, place, segment_distances
+from tests.planar_geometry import elbow_of, place, segment_distances
 
 SHORTEST = 1e-5  # [s]
 FAMILIES = {"planar": random_planar, "solid": random_solid}

@@ -1,7 +1,7 @@
 """Shapes of bodies: the answers of every shape, held against dense samples of it.
 
-A new shape gets a line in EXAMPLES and its signed distance in `depths` of the referee. The tests
-then name what its file or the table of a layer lacks.
+A new shape gets a line in EXAMPLES and its signed distance in `gcm_learn/referee/shapes.py`. The
+tests then name what its file or the table of a layer lacks.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from gcm_learn.scene.shapes.region import EMPTY_DISTANCE
 from gcm_learn.situation import PLANAR, SOLID, Box, Capsule, Cylinder, Disc, Polygon, Sphere
 from gcm_learn.situation.schema import LISTS, NUMBERS
 from gcm_learn.situation.shapes import Shape
-from tests.referee import depths, segment_distances
+from tests.planar_geometry import depths, segment_distances
 
 BENT = Polygon(((-0.3, -0.3), (0.3, -0.3), (0.3, 0.3), (0.2, -0.1), (-0.2, -0.1), (-0.3, 0.3)))
 EXAMPLES = {

@@ -31,7 +31,7 @@ from gcm_learn.situation import (
     Sphere,
 )
 from tests import strategies
-from tests.referee import by_hand, elbow_of, limb_distances, nearest
+from tests.planar_geometry import by_hand, elbow_of, limb_distances, nearest
 
 FLAT = Plane((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
 STRETCHED = Arm((2.0, 0.0), 3.0)

@@ -15,6 +15,7 @@ from gcm_learn import families, solve
 from gcm_learn.execution import body_for, execute, with_motor_limits
 from gcm_learn.families import paper_scene
 from gcm_learn.recall import Memory, RawIndex, waypoints_of
+from gcm_learn.referee import Complaint
 
 FAMILIES = ("gate", "crossing-swarm")
 
@@ -27,25 +28,19 @@ def caught():
     return [one for one in plans if one[2].caught]
 
 
-@pytest.mark.parametrize(
-    ("complains_below", "broken"), [(0, False), (500, False), (5000, False), (10**6, True)]
-)
-def test_a_catch_is_broken_if_the_referee_complains_however_closely_it_samples(
-    caught, monkeypatch, complains_below, broken
-):
-    """Complaints that a closer check takes back come from the sampling."""
-    samples = []
+@pytest.mark.parametrize("words", [[], ["clearance: is off"]])
+def test_a_catch_is_broken_if_the_referee_complains_and_is_judged_once(caught, monkeypatch, words):
+    asked = []
 
-    def judge(situation, plan, instants=300):
-        samples.append(instants)
-        return SimpleNamespace(complaints=["touches"] if instants < complains_below else [])
+    def judge(situation, solution):
+        asked.append(solution["name"])
+        return [Complaint(*word.split(": ")) for word in words]
 
-    monkeypatch.setattr(judging.referee, "judge", judge)
+    monkeypatch.setattr(judging, "judge", judge)
     found, (_, situation, plan) = judging.Referee(), caught[0]
-    assert found.broken(situation, plan) is broken
-    before = list(samples)
-    assert found.broken(situation, plan) is broken
-    assert samples == before == sorted(before)
+    for _ in range(2):
+        assert found.broken(situation, plan) is bool(words)
+    assert judging.complaints(situation, plan) == words and len(asked) == 2
 
 
 def burn(seconds):
@@ -69,13 +64,13 @@ def test_an_answer_takes_its_planner_s_time_and_not_the_referee_s(monkeypatch, c
 
     def judge(*_):
         burn(0.3)
-        return SimpleNamespace(complaints=["touches"])
+        return [Complaint("trajectory", "they touch")]
 
-    monkeypatch.setattr(judging.referee_of_spatial_arms, "judge", judge)
+    monkeypatch.setattr(judging, "judge", judge)
     row = judging.first_answer(SimpleNamespace(plan=plan), situation)
     assert 50.0 <= row["ms"] < 300.0
     assert row["catch"] == given.catch_time
-    assert row.get("complaints") == (["touches"] if catches else None)
+    assert row.get("complaints") == (["trajectory: they touch"] if catches else None)
 
 
 def test_random_memories_of_a_family_are_of_that_family(caught):

@@ -15,7 +15,7 @@ from gcm_learn.maps import CognitiveMap, build_map, descend
 from gcm_learn.motion import Movement
 from gcm_learn.situation import Body, Disc, PlanarQuadratic, Situation
 from gcm_learn.wave import MarchingParams, WaveParams
-from tests.referee import by_hand, nearest
+from tests.planar_geometry import by_hand, nearest
 
 ENGINES = {"wave": WaveParams(), "marching": MarchingParams()}
 REST = (0.0, 0.0)

@@ -28,7 +28,7 @@ from gcm_learn.scene.bodies import poses_at
 from gcm_learn.scene.packing import pack, pack_bodies
 from gcm_learn.scene.shapes.choice import gap_in_plane
 from gcm_learn.scene.shapes.region import EMPTY_DISTANCE
-from tests.referee import depths, place, point_distances, rates
+from tests.planar_geometry import depths, place, point_distances, rates
 
 FAMILIES = {"planar": random_planar, "solid": random_solid}
 pairs = st.tuples(st.floats(-1.2, 1.2), st.floats(-1.2, 1.2))
@@ -65,7 +65,7 @@ def test_segments_take_as_long_as_their_slowest_joint(seed):
     )
     arm = Arm(tuple(hand[0]), 1e6, max_joint_speed=(1.0, 2.0))
     path = Movement.of_hand(arm, np.arange(20.0), hand)  # a second for every segment
-    slowest = (rates(arm, path, 64) / arm.max_joint_speed).max(axis=1)
+    slowest = (rates(arm, path) / arm.max_joint_speed).max(axis=1)
     least = segment_times(arm, hand)
     assert (least >= slowest * (1.0 - 1e-9)).all()
     assert (least <= 1.1 * slowest + 1e-5).all()

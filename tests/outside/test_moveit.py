@@ -17,8 +17,9 @@ from gcm_learn.outside.converted import goal_is_blocked, stays_free
 from gcm_learn.outside.in_motion import Belt
 from gcm_learn.planners import plan_to_json
 from gcm_learn.planners.registry import get_planner
+from gcm_learn.referee import judge
 from gcm_learn.situation import situation_to_json
-from tests.referee_of_chains import judge, poses
+from tests.geometry import poses
 
 READY = (0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785)
 GOAL = (1e-5, 0.1, 1e-5, -2.2, 0.0, 2.3, 0.785)
@@ -160,7 +161,7 @@ def test_plans_keep_their_promise(moving, shelf):
     for situation in converted(shelf, moving=moving):
         plan = get_planner("search").plan(situation)
         written = json.loads(json.dumps(situation_to_json(situation)))
-        assert judge(written, plan_to_json(plan, situation)).complaints == []
+        assert judge(written, plan_to_json(plan, situation)) == []
 
 
 EXTRA = "joint_constraints:\n      - {joint_name: e, position: 0}"

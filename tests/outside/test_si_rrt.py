@@ -13,9 +13,10 @@ from gcm_learn.outside import SiRrt
 from gcm_learn.outside.si_rrt import KEPT, thinned
 from gcm_learn.planners import plan_to_json
 from gcm_learn.planners.registry import get_planner
+from gcm_learn.referee import judge
 from gcm_learn.situation import arm_to_json, shipped_arm, situation_to_json
+from tests.geometry import poses
 from tests.outside.conftest import DATA
-from tests.referee_of_chains import judge, poses
 
 
 def converted(path, **settings):
@@ -106,7 +107,7 @@ def test_plans_keep_their_promise(flying):
     situation = converted(flying())
     plan = get_planner("search").plan(situation)
     written = json.loads(json.dumps(situation_to_json(situation)))
-    assert judge(written, plan_to_json(plan, situation)).complaints == []
+    assert judge(written, plan_to_json(plan, situation)) == []
     assert plan.status == "caught"
 
 

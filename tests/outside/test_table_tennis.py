@@ -16,9 +16,10 @@ from gcm_learn.outside import ball_flight as flight
 from gcm_learn.outside.table_tennis import FIELDS, facing
 from gcm_learn.planners import plan_to_json
 from gcm_learn.planners.registry import get_planner
+from gcm_learn.referee import judge
 from gcm_learn.situation import situation_to_json
+from tests.geometry import poses
 from tests.outside.conftest import DATA
-from tests.referee_of_chains import judge, poses
 
 INERTIA = 2.0 / 3.0 * flight.MASS * flight.RADIUS**2
 
@@ -165,7 +166,7 @@ def test_plans_keep_their_promise(balls):
     for situation in converted(balls()).situations:
         plan = get_planner("search").plan(situation)
         written = json.loads(json.dumps(situation_to_json(situation)))
-        assert judge(written, plan_to_json(plan, situation)).complaints == []
+        assert judge(written, plan_to_json(plan, situation)) == []
         assert plan.status == "caught"
 
 

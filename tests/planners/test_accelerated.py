@@ -10,7 +10,7 @@ import pytest
 from gcm_learn import get_planner, solve
 from gcm_learn.motion import Failure
 from gcm_learn.situation import read_situations
-from tests.referee import judge
+from tests.judging import judge
 from tests.spatial import EXAMPLES
 
 SITUATIONS = read_situations(EXAMPLES)
@@ -28,7 +28,7 @@ def promised(situation):
     """The plan; what it claims is judged."""
     plan = solve(situation, "layered")
     if plan.caught:
-        assert judge(situation, plan).complaints == [], situation.name
+        assert judge(situation, plan) == [], situation.name
         assert plan.trajectory.rates is not None
     return plan
 

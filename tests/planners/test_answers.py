@@ -24,7 +24,7 @@ from gcm_learn.situation import (
     SolidQuadratic,
     Sphere,
 )
-from tests.referee import judge
+from tests.judging import judge
 from tests.transforms import mirrored, turned
 
 PLANNERS = ["gcm", "layered", "layered-wave", "marching", "straight"]
@@ -59,7 +59,7 @@ def checked(situation, planner):
     assert plan.message and "\n" not in plan.message
     assert plan.planning_ms > 0.0
     if plan.status == "caught":
-        assert judge(situation, plan).complaints == []
+        assert judge(situation, plan) == []
     else:
         nothing = (plan.catch_time, plan.catch_body, plan.clearance, plan.trajectory)
         assert nothing == (None, None, None, None)

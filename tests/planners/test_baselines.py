@@ -11,7 +11,7 @@ from gcm_learn.families.random_planar import random_planar
 from gcm_learn.planners.baselines.potential import PotentialPlanner
 from gcm_learn.planners.baselines.straight import StraightPlanner, StraightWaitPlanner
 from gcm_learn.situation import Body, Disc, PlanarQuadratic, Polygon, Situation
-from tests.referee import judge
+from tests.judging import judge
 
 SPEED = 3.3
 GRASP, RADIUS = 0.05, 0.05
@@ -49,7 +49,7 @@ def rests(trajectory):
 def test_straight_wait_waits_for_the_gate():
     assert not StraightPlanner().plan(GATE).caught
     plan = StraightWaitPlanner().plan(GATE)
-    assert plan.caught and judge(GATE, plan).complaints == []
+    assert plan.caught and judge(GATE, plan) == []
     assert OPENS <= plan.catch_time <= OPENS + 1.2 / 20
     assert rests(plan.trajectory) > 0.3
     way = plan.trajectory.hand - plan.trajectory.hand[0]
@@ -95,7 +95,7 @@ def test_the_field_leads_straight_where_nothing_is():
 def test_the_field_pushes_past_a_post():
     assert not StraightPlanner().plan(POST).caught
     plan = PotentialPlanner().plan(POST)
-    assert plan.caught and judge(POST, plan).complaints == []
+    assert plan.caught and judge(POST, plan) == []
     assert plan.clearance > 0.01
 
 

@@ -9,9 +9,10 @@ import pytest
 
 from gcm_learn import solve
 from gcm_learn.planners import plan_to_json
+from gcm_learn.referee import judge
 from gcm_learn.situation import situation_from_json, situation_to_json
 from tests.chains import BLOCKED, COUNT, SETS, drawn
-from tests.referee_of_chains import arm_of, hand_of, judge
+from tests.geometry import arm_of, hand_of
 
 PLANNERS = {"marching": 4, "search": 9, "straight": 2, "straight-wait": 3}
 """Planners, and how many of a set they catch at least."""
@@ -32,7 +33,7 @@ def test_the_first_of_a_set(name, planner):
         situation = drawn(name, k)
         answer = answered(situation, planner)
         caught += answer["status"] == "caught"
-        assert judge(situation, answer).complaints == [], situation["name"]
+        assert judge(situation, answer) == [], situation["name"]
         assert (answer["status"] == "start_blocked") == (k == BLOCKED)
     assert caught >= PLANNERS[planner]
 
@@ -47,7 +48,7 @@ def test_the_same_question_has_the_same_answer(name, planner):
 
 def with_another_target(situation):
     """Add a target at rest, where the hand is between the start and the middle of all ranges."""
-    arm = arm_of(situation["arm"], {})
+    arm = arm_of(situation["arm"])
     middle = [sum(joint["range"]) / 2 for joint in situation["arm"]["model"]["joints"]]
     posture = 0.7 * np.array(situation["arm"]["posture"]) + 0.3 * np.array(middle)
     place = hand_of(arm, posture[None])[0][0].tolist()
@@ -65,7 +66,7 @@ def test_targets_are_caught_one_after_the_other(planner, catch):
     for k in range(COUNT):
         situation = with_another_target(drawn("slide", k)) | {"catch": catch}
         answer = answered(situation, planner)
-        assert judge(situation, answer).complaints == [], situation["name"]
+        assert judge(situation, answer) == [], situation["name"]
         both += len(answer["catches"]) == 2
         if catch == "all" and answer["status"] == "unreachable":
             assert answer["catches"] == []

@@ -13,7 +13,7 @@ from gcm_learn.motion.movement import Movement
 from gcm_learn.motion.verification import Verdict
 from gcm_learn.planners.completion import Attempt
 from gcm_learn.planners.feedback import AROUND, WIDER, Exploration, Feedback
-from tests.referee import judge
+from tests.judging import judge
 
 LATTICE = Lattice(n=40)
 SPEED = 2.0
@@ -85,7 +85,7 @@ def test_the_hand_rests_where_the_target_will_come():
     situation = Situation("plank", 1.274, arm, bodies)
     plan = solve(situation, "layered")
     assert plan.caught and plan.catch_time < 1.10
-    assert not judge(situation, plan).complaints
+    assert not judge(situation, plan)
     assert plan.trajectory.waits()
 
 
@@ -101,5 +101,5 @@ def test_a_gate_that_opens_just_in_time_is_passed():
     )
     situation = Situation("gate", 1.27, arm, bodies)
     plan = solve(situation, "layered")
-    assert plan.caught and not judge(situation, plan).complaints
+    assert plan.caught and not judge(situation, plan)
     assert not solve(situation, "marching").caught

@@ -31,7 +31,7 @@ from gcm_learn.situation import (
 from gcm_learn.situation.motion import MOST_PERIODS
 from tests import strategies
 from tests.extras import INSTALLED
-from tests.referee import judge
+from tests.judging import judge
 
 LONGEST = {False: 60.0, True: 20.0}
 """Processor time for one plan, in the plane and in space [s]; usual ones take milliseconds."""
@@ -53,8 +53,8 @@ def answered(situation, planner):
 
 
 def complaints(situation, plan):
-    """What the referee says, but for ways through the shoulder, which have their own test."""
-    found = judge(situation, plan, 300).complaints
+    """Complaints, but for ways through the shoulder, which have their own test."""
+    found = judge(situation, plan)
     if np.linalg.norm(plan.trajectory.hand, axis=1).min() < 0.02:
         found = [complaint for complaint in found if "joints" not in complaint]
     return found

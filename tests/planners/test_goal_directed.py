@@ -21,7 +21,7 @@ from gcm_learn.planners.plan import GAIN
 from gcm_learn.scene import pack
 from gcm_learn.scene.bodies import HAND, PART, TOP_SPEED, poses_at
 from gcm_learn.wave import MarchingParams
-from tests.referee import judge
+from tests.judging import judge
 
 N = 80
 MIXED = [
@@ -38,7 +38,7 @@ def test_it_catches_what_maps_catch_and_as_soon():
     mapped = [MAPS.plan(s) for s in MIXED]
     for s, ours, theirs in zip(MIXED, found, mapped, strict=True):
         assert ours.caught or not theirs.caught
-        assert not ours.caught or judge(s, ours).complaints == []
+        assert not ours.caught or judge(s, ours) == []
         if theirs.caught:  # paths from centre to centre are a little longer
             assert ours.catch_time <= theirs.catch_time + 2.0 * GAIN * s.horizon
     assert sum(p.caught for p in found) >= 12
@@ -177,4 +177,4 @@ def test_joints_that_are_linear_between_samples_stay_on_a_last_leg_past_the_shou
     """Near the shoulder joints turn far while the hand goes a little: that takes more samples."""
     situation = families.draw(family, 33, index)
     plan = PLANNER.plan(situation)
-    assert plan.caught and judge(situation, plan).complaints == []
+    assert plan.caught and judge(situation, plan) == []

@@ -28,8 +28,8 @@ from gcm_learn.situation import (
     situation_to_json,
 )
 from tests import strategies
+from tests.judging import judge
 from tests.planners.test_fuzz import answered, numbers, solid, wild, wild_horizons
-from tests.referee import judge
 from tests.situation.scenes import MOVING, PLANAR
 from tests.situation.scenes import SOLID as IN_PLANE
 from tests.situation.test_fuzz_reader import paths, spoiled_objects
@@ -53,7 +53,7 @@ def _compiled():
 @given(strategies.spatial_situations(), planners)
 def test_valid_situations_get_an_answer_that_holds(situation, planner):
     plan = answered(situation, planner)
-    assert not plan.caught or judge(situation, plan).complaints == []
+    assert not plan.caught or judge(situation, plan) == []
 
 
 # --- numbers of any magnitude ----------------------------------------------------------------
@@ -118,7 +118,7 @@ def test_many_wild_situations_get_an_answer(situation, planner):
 @given(strategies.spatial_situations(), planners)
 def test_many_valid_situations_get_an_answer_that_holds(situation, planner):
     plan = answered(situation, planner)
-    assert not plan.caught or judge(situation, plan).complaints == []
+    assert not plan.caught or judge(situation, plan) == []
 
 
 # --- by the command line ---------------------------------------------------------------------

@@ -22,7 +22,7 @@ from gcm_learn.situation import (
     read_situations,
     situation_from_json,
 )
-from tests.referee import judge
+from tests.judging import judge
 from tests.situation.scenes import NAO
 from tests.spatial import EXAMPLES
 
@@ -58,7 +58,7 @@ def test_the_referee_has_no_complaints():
         situation = scene_of(seeding.rng(7, k), walls=k % 4)
         plan = solve(situation)
         caught += plan.caught
-        assert not plan.caught or judge(situation, plan).complaints == []
+        assert not plan.caught or judge(situation, plan) == []
     assert caught >= 20
 
 
@@ -67,7 +67,7 @@ def test_examples_are_caught():
     plans = [solve(situation) for situation in situations]
     assert sum(plan.caught for plan in plans) >= 0.9 * len(plans)
     for situation, plan in zip(situations, plans, strict=True):
-        assert not plan.caught or judge(situation, plan).complaints == []
+        assert not plan.caught or judge(situation, plan) == []
 
 
 def behind(cover):
@@ -82,7 +82,7 @@ def behind(cover):
 def test_it_waits_until_a_cover_has_gone():
     situation = behind(SolidQuadratic(NOTHING, NOTHING, (0.0, 0.0, 2.0)))
     plan = solve(situation)
-    assert plan.caught and judge(situation, plan).complaints == []
+    assert plan.caught and judge(situation, plan) == []
     assert plan.catch_time > math.sqrt(2.0 * 0.05 / 2.0)
 
 
@@ -94,7 +94,7 @@ def test_a_target_that_can_only_be_grazed_is_caught(family, index):
     situation = replace(situation, arm=arm)
     plan = search_in_space().plan(situation)
     assert plan.caught
-    assert judge(situation, plan).complaints == []
+    assert judge(situation, plan) == []
 
 
 def test_what_is_shut_in_is_given_up_soon():

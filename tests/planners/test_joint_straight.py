@@ -26,7 +26,7 @@ from gcm_learn.situation import (
     Sphere,
     read_situations,
 )
-from tests.referee import judge
+from tests.judging import judge
 from tests.spatial import EXAMPLES
 
 ARM = SpatialArm(
@@ -167,7 +167,7 @@ def test_most_of_the_examples():
     assert all(b.catch_time == a.catch_time for a, b in plans if a.caught)
     for situation, pair in zip(drawn, plans, strict=True):
         for plan in (p for p in pair if p.caught):
-            assert judge(situation, plan).complaints == []
+            assert judge(situation, plan) == []
     assert sum(a.caught for a, _ in plans) >= 22
     assert sum(b.caught for _, b in plans) >= 30
 

@@ -10,9 +10,9 @@ from gcm_learn.planners.baselines.st_rrt_star import STRRTStarPlanner
 from gcm_learn.planners.baselines.st_rrt_star_joints import draw_posture, task_in_space
 from gcm_learn.planners.completion import SpatialProblem
 from gcm_learn.situation import Sphere, read_situations
+from tests.judging import judge
 from tests.planners.test_joint_straight import ARM, GOAL, RADIUS, ball, flying, hand_of, scene
 from tests.planners.test_st_rrt_star import needs_ompl
-from tests.referee import judge
 from tests.spatial import EXAMPLES
 
 POST = flying("obstacle", Sphere(0.2), hand_of((np.array(ARM.joints) + GOAL) / 2.0))
@@ -60,7 +60,7 @@ def test_it_goes_round_a_post():
     situation = scene(ball(hand_of(GOAL)), POST)
     plan = STRRTStarPlanner().plan(situation)
     assert plan.caught
-    assert judge(situation, plan).complaints == []
+    assert judge(situation, plan) == []
 
 
 @needs_ompl
@@ -72,6 +72,6 @@ def test_budgets_of_the_examples():
         times = [np.inf if plan.catch_time is None else plan.catch_time for plan in plans]
         assert times[1] <= times[0]
         for plan in (p for p in plans if p.caught):
-            assert judge(situation, plan).complaints == []
+            assert judge(situation, plan) == []
         caught += plans[1].caught
     assert caught >= 5

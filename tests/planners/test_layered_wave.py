@@ -18,7 +18,7 @@ from gcm_learn.planners.layered_front import path_to
 from gcm_learn.planners.layered_wave import CLOSE, EARLY, layered_wave, straightened
 from gcm_learn.scene import pack
 from gcm_learn.wave import WaveParams
-from tests.referee import judge
+from tests.judging import judge
 
 NINE = WaveParams(laplacian=9)
 
@@ -79,7 +79,7 @@ def test_the_gate_that_opens():
     assert not solve(gate_scene(), "gcm").caught
     plan = solve(gate_scene(), "layered-wave")
     assert plan.caught and plan.catch_time > 0.7
-    assert judge(gate_scene(), plan).complaints == []
+    assert judge(gate_scene(), plan) == []
     assert sum(wait.duration for wait in plan.trajectory.waits()) > 0.1
     assert plan.map.later is not None and plan.map.interception is not None
 
@@ -90,7 +90,7 @@ def caught(planner, situations):
     for k, situation in enumerate(situations):
         plan = get_planner(planner).plan(situation)
         if plan.caught:
-            assert judge(situation, plan).complaints == []
+            assert judge(situation, plan) == []
             found.add(k)
     return found
 

@@ -18,7 +18,7 @@ from gcm_learn.planners.oracle.bounds import OraclePlanner, bounds, earliest_cat
 from gcm_learn.planners.oracle.moves import BETWEEN, MOVES, SHARES, STRETCH
 from gcm_learn.planners.oracle.reachable_set import ReachableSet
 from gcm_learn.situation import Body, Disc, PlanarQuadratic, Polygon, Situation
-from tests.referee import judge
+from tests.judging import judge
 
 SPEED = 3.3
 REST = ((0.0, 0.0), (0.0, 0.0))
@@ -135,7 +135,7 @@ def test_a_gate_is_passed_when_it_opens():
     coarse, fine = bounds(GATE, (60,), None), bounds(GATE)
     for found in (coarse, fine):
         assert found.lower <= OPENS <= found.upper
-        assert judge(GATE, found.plan).complaints == []
+        assert judge(GATE, found.plan) == []
     assert 0.7 * OPENS < coarse.lower < fine.lower
     assert fine.upper <= min(coarse.upper, OPENS * 1.01)
 
@@ -150,7 +150,7 @@ def test_a_wall_that_leaves_is_awaited():
     found = bounds(OPENING)
     assert LEAVES <= found.upper <= LEAVES + 0.5
     assert 0.0 < found.lower <= LEAVES  # loose: the limbs fold at the rim of the hole, cells do not
-    assert judge(OPENING, found.plan).complaints == []
+    assert judge(OPENING, found.plan) == []
 
 
 def test_finer_lattices_only_narrow_the_bounds():
@@ -207,7 +207,7 @@ def test_a_target_that_rushes_through_a_long_horizon_is_not_ruled_out():
 def test_joint_limits_are_kept():
     slow = replace(AROUND, horizon=4.0, arm=replace(AROUND.arm, max_joint_speed=(2.0, 3.0)))
     found = bounds(slow)
-    assert found.plan.caught and judge(slow, found.plan).complaints == []
+    assert found.plan.caught and judge(slow, found.plan) == []
     assert found.upper > bounds(AROUND).upper * 1.5
 
 

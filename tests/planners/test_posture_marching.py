@@ -9,7 +9,7 @@ from gcm_learn.families import paper_scene
 from gcm_learn.planners.joints.marching import FrontInSpace
 from gcm_learn.situation import read_situations
 from gcm_learn.wave import MarchingParams
-from tests.referee import judge
+from tests.judging import judge
 from tests.spatial import EXAMPLES
 
 SITUATIONS = read_situations(EXAMPLES)
@@ -23,7 +23,7 @@ def test_catches_hold_and_are_frequent(first):
         assert plan.status != "start_blocked"
         if plan.caught:
             caught += 1
-            assert judge(situation, plan).complaints == []
+            assert judge(situation, plan) == []
     assert caught >= 5
 
 
@@ -48,7 +48,7 @@ def test_the_papers_planner_catches_in_space_what_its_wave_meets():
         plan = solve(situation, "gcm")
         caught += plan.caught
         if plan.caught:
-            assert judge(situation, plan).complaints == []
+            assert judge(situation, plan) == []
             assert plan.map is not None and plan.map.engine == "wave"
             assert plan.map.arrival.shape == (80, 80, 80)
     assert caught >= 6
@@ -59,6 +59,6 @@ def test_the_papers_scenes_without_their_plane_are_solved_by_the_papers_planner(
     situation = paper_scene(name)
     plan = solve(situation, "gcm")
     assert plan.caught
-    assert judge(situation, plan).complaints == []
+    assert judge(situation, plan) == []
     # the obstacle has bent the wave
     assert plan.map is not None and plan.map.effective_obstacles.sum() > 100

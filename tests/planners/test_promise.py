@@ -11,7 +11,7 @@ from gcm_learn.families.paper import PAPER_SCENES
 from gcm_learn.families.random_planar import random_planar
 from gcm_learn.families.random_solid import random_solid
 from tests.extras import planner_params
-from tests.referee import judge
+from tests.judging import judge
 
 PLANNERS = planner_params()
 # Planners that have to solve the paper's scenes.
@@ -59,7 +59,7 @@ def broken(family, planner, seed, seeds):
         assert plan.status in ("caught", "unreachable", "start_blocked")
         if plan.status == "caught":
             caught += 1
-            found = judge(situation, plan).complaints
+            found = judge(situation, plan)
             if found:
                 complaints[k] = found
     return complaints, caught
@@ -101,4 +101,4 @@ def test_the_papers_scenes_keep_the_promise(name, planner):
     plan = solve(situation, planner)
     assert plan.status == "caught" or planner not in MAIN
     if plan.status == "caught":
-        assert judge(situation, plan).complaints == []
+        assert judge(situation, plan) == []

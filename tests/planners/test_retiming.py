@@ -12,8 +12,8 @@ from gcm_learn.planners import get_planner
 from gcm_learn.planners.baselines.straight import StraightPlanner, StraightWaitPlanner
 from gcm_learn.planners.retiming import Motion, retime
 from gcm_learn.situation import Disc
+from tests.judging import judge
 from tests.planners.test_baselines import FREE, GATE, SPEED, TRAP, body, goal, scene
-from tests.referee import judge
 
 
 def accelerations(trajectory):
@@ -57,7 +57,7 @@ def test_a_straight_catch_comes_later_by_what_speeding_up_takes(most):
     """From rest to full speed takes v / a, on half the way that full speed would make."""
     plan = StraightPlanner().plan(FREE)
     slow = retime(plan, FREE, most)
-    assert slow.caught and judge(FREE, slow).complaints == []
+    assert slow.caught and judge(FREE, slow) == []
     late = slow.catch_time - plan.catch_time
     assert late == pytest.approx(0.5 * SPEED / most, abs=1e-3)
     t = np.array([0.3, 0.9]) * min(SPEED / most, 0.1)
@@ -69,14 +69,14 @@ def test_a_straight_catch_comes_later_by_what_speeding_up_takes(most):
 def test_a_plan_that_has_time_to_spare_is_kept_to_the_moment():
     plan = StraightWaitPlanner(shares=(1.0,)).plan(GATE)
     slow = retime(plan, GATE, 33.0)
-    assert slow.caught and judge(GATE, slow).complaints == []
+    assert slow.caught and judge(GATE, slow) == []
     assert slow.catch_time == pytest.approx(plan.catch_time, abs=1e-3)
 
 
 def test_a_way_round_is_kept_though_its_corners_are_cut():
     plan = get_planner("layered").plan(TRAP)
     slow = retime(plan, TRAP, 50.0)
-    assert slow.caught and judge(TRAP, slow).complaints == []
+    assert slow.caught and judge(TRAP, slow) == []
     assert accelerations(slow.trajectory).max() <= 50.0 * (1.0 + 1e-6)
     assert plan.catch_time < slow.catch_time < plan.catch_time + 3.0 * SPEED / 50.0
 
@@ -94,7 +94,7 @@ def test_every_retimed_catch_keeps_limit_and_promise():
         assert slow.status in ("caught", "unreachable") and slow.planner == "layered"
         if slow.caught:
             kept += 1
-            assert judge(situation, slow).complaints == []
+            assert judge(situation, slow) == []
             assert accelerations(slow.trajectory).max() <= most * (1.0 + 1e-6)
     assert plans > 25 and kept > 0.8 * plans
 

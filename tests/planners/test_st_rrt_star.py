@@ -24,11 +24,12 @@ from gcm_learn.planners.baselines.st_rrt_star_moves import draw_goal, leg_holds
 from gcm_learn.planners.baselines.straight import StraightPlanner
 from gcm_learn.planners.completion import Problem, SpatialProblem
 from gcm_learn.planners.oracle.bounds import bounds
+from gcm_learn.referee import judge as referee_judge
 from gcm_learn.situation import Body, Disc, Situation, read_situations, situation_from_json
-from tests import chains, referee_of_chains
+from tests import chains
 from tests.extras import INSTALLED
+from tests.judging import judge
 from tests.planners.test_baselines import FREE, GATE, OPENS, TRAP, body, goal, scene
-from tests.referee import judge
 from tests.spatial import EXAMPLES
 
 needs_ompl = pytest.mark.skipif(
@@ -113,14 +114,14 @@ def test_no_goal_is_drawn_where_there_is_none():
 @needs_ompl
 def test_it_waits_for_a_gate():
     plan = STRRTStarPlanner().plan(GATE)
-    assert plan.caught and judge(GATE, plan).complaints == []
+    assert plan.caught and judge(GATE, plan) == []
     assert OPENS <= plan.catch_time <= 1.1 * OPENS
 
 
 @needs_ompl
 def test_it_goes_round_a_bar_that_holds_a_field_up():
     plan = STRRTStarPlanner().plan(TRAP)
-    assert plan.caught and judge(TRAP, plan).complaints == []
+    assert plan.caught and judge(TRAP, plan) == []
     assert plan.trajectory.length > 2.8  # the straight way is 2.4 less radius and grasp
 
 
@@ -167,7 +168,7 @@ def test_more_time_is_never_worse():
         assert times == sorted(times, reverse=True)
         assert [p.planning_ms for p in plans] == sorted(p.planning_ms for p in plans)
         caught += plans[-1].caught
-        assert all(judge(situation, plan).complaints == [] for plan in plans if plan.caught)
+        assert all(judge(situation, plan) == [] for plan in plans if plan.caught)
     assert caught
 
 
@@ -204,7 +205,7 @@ def test_what_was_found_before_a_crash_counts(monkeypatch):
 
     monkeypatch.setattr(library.Search, "_improved", crash_at_second)
     plan = STRRTStarPlanner().plan(GATE)
-    assert plan.caught and judge(GATE, plan).complaints == []
+    assert plan.caught and judge(GATE, plan) == []
 
 
 # --- without OMPL ----------------------------------------------------------------------------
@@ -262,7 +263,7 @@ def test_its_catches_of_chains_pass_the_referee_and_repeat():
         plans = [STRRTStarPlanner(iterations=3000).plan(situation) for _ in range(2)]
         answers = [plan_to_json(plan, situation) | {"planning_ms": 0.0} for plan in plans]
         assert answers[0] == answers[1]
-        assert referee_of_chains.judge(given, answers[0]).complaints == [], given["name"]
+        assert referee_judge(given, answers[0]) == [], given["name"]
         caught += plans[0].caught
     assert caught >= 3
 

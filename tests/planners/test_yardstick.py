@@ -17,9 +17,9 @@ from gcm_learn.planners.joints.moves import study_of
 from gcm_learn.planners.oracle.bounds import OraclePlanner
 from gcm_learn.planners.oracle.posture_boxes import earliest_possible
 from gcm_learn.situation import Box, Sphere, read_situations
+from tests.judging import judge
 from tests.planners.test_joint_straight import ARM, GOAL, ball, flying, hand_of, scene
 from tests.planners.test_joint_trees import POST
-from tests.referee import judge
 from tests.spatial import EXAMPLES
 
 LID = flying("obstacle", Sphere(0.35), hand_of(GOAL), (0.0, 1.2, 0.0))
@@ -86,13 +86,13 @@ def test_strata(bodies, expected):
     assert known.stratum in expected and stratum(situation, known) == known.stratum
     assert known.decided and (known.lower <= known.upper)
     if known.plan.caught:
-        assert judge(situation, known.plan).complaints == []
+        assert judge(situation, known.plan) == []
 
 
 def test_the_oracle_answers_with_its_best():
     situation = scene(ball(hand_of(GOAL)), POST)
     plan = OraclePlanner(trees_ms=200.0).plan(situation)
-    assert plan.planner == "oracle" and plan.caught and judge(situation, plan).complaints == []
+    assert plan.planner == "oracle" and plan.caught and judge(situation, plan) == []
     buried = scene(ball(hand_of(GOAL)), flying("obstacle", Sphere(0.7), hand_of(GOAL)))
     assert OraclePlanner().plan(buried).failure is Failure.IMPOSSIBLE
 
@@ -103,14 +103,14 @@ def test_the_oracle_answers_with_its_best():
 def test_the_field_leads_straight_where_nothing_is():
     free = scene(ball(hand_of(GOAL)))
     plan = PotentialPlanner().plan(free)
-    assert plan.caught and judge(free, plan).complaints == []
+    assert plan.caught and judge(free, plan) == []
     assert plan.catch_time <= 1.2 * StraightPlanner().plan(free).catch_time
 
 
 def test_the_field_follows_a_moving_target():
     moving = scene(ball(hand_of(GOAL) - (0.2, 0.0, 0.0), (0.8, -0.5, 0.3)))
     plan = PotentialPlanner().plan(moving)
-    assert plan.caught and judge(moving, plan).complaints == []
+    assert plan.caught and judge(moving, plan) == []
 
 
 def test_the_field_gives_up_where_a_target_is_buried():

@@ -20,11 +20,11 @@ from gcm_learn.situation import (
     situation_from_json,
 )
 from tests import strategies
+from tests.judging import judge
 from tests.planners.test_fuzz import answered
 from tests.planners.test_joint_fuzz import wild_situations
 from tests.recall.conftest import memory_in_space
 from tests.recall.worlds import LIMITED, catches_of, memory_of
-from tests.referee import judge
 from tests.situation.scenes import MOVING
 
 
@@ -63,7 +63,7 @@ def test_weaker_joints_keep_the_way_and_need_more_time(memory, catches):
             found = planner.recollect(weak)
             if found.memory == k and found.plan.catch_time > 1.03 * plan.catch_time:
                 retimed += 1
-                assert judge(weak, found.plan).complaints == []
+                assert judge(weak, found.plan) == []
                 again = waypoints_of(weak, found.plan).knots
                 assert np.abs(again[-1, :4] - memory.knots[k, -1, :4]).max() < 1.0
                 break
@@ -117,7 +117,7 @@ def test_what_touches_at_all_times_is_pushed_aside(catches):
         found = planner.plan(blocked)
         if found.caught:
             pushed += 1
-            assert judge(blocked, found).complaints == []
+            assert judge(blocked, found) == []
     assert pushed >= 5
 
 
@@ -135,7 +135,7 @@ def test_hybrid_keeps_deadlines_and_bounds():
         bounded += asked.caught
         for plan in (patient, asked):
             if plan.caught:
-                assert judge(situation, plan).complaints == []
+                assert judge(situation, plan) == []
     assert sooner > 0 and bounded > 0
 
 
@@ -154,7 +154,7 @@ def _compiled():
 def test_valid_situations_get_an_answer_that_holds(_compiled, planner, situation):
     assume(situation.arm.max_joint_acceleration is not None)
     plan = answered(situation, planner)
-    assert not plan.caught or judge(situation, plan).complaints == []
+    assert not plan.caught or judge(situation, plan) == []
 
 
 @settings(max_examples=15)

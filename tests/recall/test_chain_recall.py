@@ -27,10 +27,10 @@ from gcm_learn.recall import (
 )
 from gcm_learn.recall.change import ends_of
 from gcm_learn.recall.headings import heading_of
+from gcm_learn.referee import judge
 from gcm_learn.scene import pack
 from gcm_learn.situation import situation_to_json, write_situations
 from gcm_learn.situation.laws import carried
-from tests.referee_of_chains import judge
 
 FAMILY = "panda-easy"
 
@@ -73,7 +73,7 @@ def fitting_turn(situation, plan):
 
 def complaints(situation, plan):
     """What the referee of chains finds wrong with a plan."""
-    return judge(situation_to_json(situation), plan_to_json(plan, situation)).complaints
+    return judge(situation_to_json(situation), plan_to_json(plan, situation))
 
 
 def test_a_turn_about_the_first_joint_changes_nothing_but_its_range():
@@ -128,7 +128,7 @@ def test_the_command_solves_with_the_memory_of_a_folder(tmp_path, capsys):
     assert main(["solve", *given]) == 0
     solution = json.loads(capsys.readouterr().out)
     assert solution["status"] == "caught" and solution["planner"] == "recall"
-    assert judge(situation_to_json(situation), solution).complaints == []
+    assert judge(situation_to_json(situation), solution) == []
 
 
 def test_a_memory_of_a_chain_recalls_its_own_catches():

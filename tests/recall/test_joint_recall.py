@@ -23,8 +23,8 @@ from gcm_learn.recall import (
 from gcm_learn.recall.waypoints import EARLIEST, TIME
 from gcm_learn.situation import canonical
 from gcm_learn.situation.spatial_frame import _in_base, _mirrored
+from tests.judging import judge
 from tests.recall.worlds import FREE, LIMITED, catches_of, memory_of, times
-from tests.referee import judge
 
 WORLDS = pytest.mark.parametrize("world", [FREE, LIMITED], ids=["free", "limited"])
 
@@ -62,7 +62,7 @@ def test_every_catch_keeps_the_promise_and_goes_on_with_the_rates_at_the_start(n
         assert plan.status in ("caught", "unreachable", "start_blocked")
         if plan.caught:
             caught, other = caught + 1, other + (known[k % 12] not in world.names)
-            assert judge(situation, plan).complaints == []
+            assert judge(situation, plan) == []
             if world.accelerates:
                 assert tuple(plan.trajectory.rates[0]) == situation.arm.joint_rates
     assert caught > (1 if name == "recall-1" else 4) and other > 0

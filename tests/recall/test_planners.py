@@ -24,8 +24,8 @@ from gcm_learn.recall import (
     unverified,
 )
 from gcm_learn.situation.canonical import canonical
+from tests.judging import judge
 from tests.recall.conftest import limited
-from tests.referee import judge
 from tests.transforms import turned
 
 PLANNERS = {
@@ -50,7 +50,7 @@ def test_every_catch_keeps_the_promise(memory, name, family, count):
         assert plan.status in ("caught", "unreachable", "start_blocked")
         if plan.caught:
             caught += 1
-            assert judge(situation, plan).complaints == []
+            assert judge(situation, plan) == []
     assert caught > count / 5
 
 
@@ -100,7 +100,7 @@ def test_with_a_deadline_the_hybrid_is_never_worse_than_what_it_recalls(memory):
         assert at_once.catch_time == first.catch_time and not asked.given
         better = hybrid.plan(situation, deadline=1e9)
         assert better.caught and better.catch_time <= first.catch_time
-        assert better.planner == "hybrid" and judge(situation, better).complaints == []
+        assert better.planner == "hybrid" and judge(situation, better) == []
         if asked.given:
             (given,) = asked.given
             assert given["bound"] == pytest.approx(first.catch_time - GAIN * situation.horizon)

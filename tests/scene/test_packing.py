@@ -30,7 +30,7 @@ from gcm_learn.situation import (
     Sphere,
 )
 from tests import strategies
-from tests.referee import place
+from tests.planar_geometry import place
 from tests.transforms import carried, quaternion_of
 
 WORLD = Plane((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0))

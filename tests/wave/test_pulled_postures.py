@@ -13,7 +13,7 @@ from gcm_learn.scene import pack
 from gcm_learn.situation import situation_from_json
 from gcm_learn.wave import MarchingParams
 from tests.chains import SETS, drawn
-from tests.referee_of_chains import arm_of, least_at
+from tests.geometry import arm_of, least_at
 
 PARAMS = MarchingParams(n=16, margin=0.0, until="horizon")
 TOUCHING = 2e-6  # of what may be taken for a touch or for free, either way
@@ -58,7 +58,7 @@ def test_no_step_is_faster_than_the_joints(marched):
 
 def test_every_step_is_free_and_ends_in_time(marched):
     given, situation, found = marched
-    arm = arm_of(given["arm"], {})
+    arm = arm_of(given["arm"])
     cells, homes = reached_of(found)
     arrival = found.arrival.filled(np.nan).ravel()
     assert arrival[cells].max() <= situation.horizon

@@ -23,10 +23,11 @@ from gcm_learn.execution import (
 )
 from gcm_learn.motion.rules import opening
 from gcm_learn.planners import Attempt, SpatialProblem, checked, get_planner, plan_to_json
+from gcm_learn.referee import judge
 from gcm_learn.scene import pack
 from gcm_learn.situation import arm_to_json, shipped_arm, situation_from_json, situation_to_json
 from tests.chains import BLOCKED, COUNT, drawn
-from tests.referee_of_chains import arm_of, hand_of, judge, least_at, links_of, poses
+from tests.geometry import arm_of, hand_of, least_at, links_of, poses
 
 OBSTACLE, UNTIL_AIM = 20, 26  # numbers of an obstacle, and of a target before the aim
 
@@ -57,7 +58,7 @@ def seen(plant):
     """Yield the row, situation, its arm for the referee, unit of lengths, joints and rates."""
     for e, situation in enumerate(plant.pool.situations):
         n = situation.arm.dof
-        arm = arm_of(written(situation)["arm"], {})
+        arm = arm_of(written(situation)["arm"])
         joints, rates = plant.posture[e, :n], plant.posture[e, n:]
         yield e, plant.observations[e], situation, arm, situation.arm.reach, joints, rates
 
@@ -70,7 +71,7 @@ def in_base(situation, points):
 
 def test_the_arm_is_told(moved):
     for e, row, situation, arm, reach, q, v in seen(moved):
-        n, m, rules = len(q), len(arm["links"]), opening(pack(situation)).rules
+        n, m, rules = len(q), len(arm.geometry.radii), opening(pack(situation)).rules
         (hand,), (axis,) = hand_of(arm, q[None])
         ends, radii = links_of(arm, q[None])
         outer = in_base(situation, ends[:, 1, 0]) / reach
@@ -158,7 +159,7 @@ def test_velocities_of_points_are_differences(moved):
     for _, _, situation, arm, _, q, _ in seen(moved):
         limb, rates = pack(situation).limb, rng.normal(size=len(q))
         ends, _ = links_of(arm, np.stack([q - h * rates, q, q + h * rates]))
-        for i in range(len(arm["links"])):
+        for i in range(len(arm.geometry.radii)):
             share = rng.uniform()
             points = in_base(situation, ends[i, 0] + share * (ends[i, 1] - ends[i, 0]))
             where = place(limb, q)
@@ -186,8 +187,7 @@ def test_the_referee_accepts_every_catch(chains):
         target = next(k for k, b in enumerate(situation.bodies) if b.role == "target")
         plan, reason = checked(SpatialProblem(situation, "arena"), Attempt(way, target))
         assert plan is not None, reason
-        verdict = judge(written(situation), plan_to_json(plan, situation))
-        assert not verdict.complaints
+        assert judge(written(situation), plan_to_json(plan, situation)) == []
         caught += 1
         aimed += situation.bodies[target].approach is not None
     assert caught > 5 and aimed > 0

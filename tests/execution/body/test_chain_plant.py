@@ -35,7 +35,7 @@ from gcm_learn.situation import (
     arm_from_json,
     shipped_arm,
 )
-from tests.planners.test_referee_of_chains import SLIDE
+from tests.chains import SLIDE
 
 TURNED = Base((0.5, -0.2, 0.1), (0.5, -0.5, 0.1, np.sqrt(1.0 - 0.51)))
 READY = (0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785)

@@ -13,17 +13,15 @@ from gcm_learn.errors import ArmKindError, PhysicsError
 from gcm_learn.execution import Execution, body_for, execute, measured_tube, with_motor_limits
 from gcm_learn.execution.body.model import STEP
 from gcm_learn.families import paper_scene
-from gcm_learn.planners import InTube, Tube, get_planner, plan_to_json
+from gcm_learn.planners import InTube, Tube, get_planner
 from gcm_learn.situation import (
     Body,
     Situation,
     SolidQuadratic,
     Sphere,
     shipped_arm,
-    situation_to_json,
 )
-from tests import referee_of_chains
-from tests.referee import judge
+from tests.judging import judge
 
 NAO = paper_scene("fig8-space")
 LAYERED = get_planner("layered")
@@ -42,10 +40,9 @@ def test_a_plan_in_a_tube_keeps_its_width_and_meets_deeper(limited):
                                      axis=0), axis=1).max() / STEP  # fmt: skip
     assert roomy.clearance >= min(tube.at(fastest), 0.0009)
     assert bare.clearance < roomy.clearance
-    told = judge(limited, roomy)
-    assert told.complaints == []
+    assert judge(limited, roomy) == []
     smaller = replace(limited, arm=replace(limited.arm, grasp=limited.arm.grasp - tube.at(0.0)))
-    assert judge(smaller, roomy).complaints == []
+    assert judge(smaller, roomy) == []
 
 
 def test_no_room_is_no_plan(limited):
@@ -67,8 +64,7 @@ def test_a_plan_of_a_chain_in_a_tube_keeps_its_width():
     bare = get_planner("search").plan(situation)
     roomy = InTube(get_planner("search"), Tube(still=0.02)).plan(situation)
     assert roomy.caught and bare.clearance < 0.02 <= roomy.clearance
-    written = situation_to_json(situation), plan_to_json(roomy, situation)
-    assert referee_of_chains.judge(*written).complaints == []
+    assert judge(situation, roomy) == []
     width = np.linalg.norm(roomy.trajectory.hand[-1] - target.position) - 0.02
     assert width <= panda.grasp - 0.02 + 1e-6
 
