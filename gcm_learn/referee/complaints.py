@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -21,7 +22,8 @@ class Complaint:
     def __str__(self) -> str:
         """Return the complaint as one line."""
         when = "" if self.at is None else f", at {self.at:.6g} s"
-        return f"{self.name}: {self.field}: {self.what}{when}"
+        line = f"{self.name}: {self.field}: {self.what}{when}"
+        return line if line.isprintable() else json.dumps(line)[1:-1]
 
     def as_json(self) -> dict[str, Any]:
         """Return the complaint as an object for machines."""

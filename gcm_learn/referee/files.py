@@ -28,13 +28,21 @@ def read(path: Path) -> list[Place]:
 
 def _object(text: str, place: str) -> dict[str, Any]:
     try:
-        given = json.loads(text)
+        given = json.loads(text, object_pairs_hook=_single)
     except (ValueError, RecursionError) as error:
         raise Unreadable(f"{place}: is not JSON: {error}") from error
     if not isinstance(given, dict):
         raise Unreadable(f"{place}: is not an object")
     inner = given.get("situation")  # lines of suites
     return inner if isinstance(inner, dict) and "arm" not in given else given
+
+
+def _single(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """Return an object whose fields are each there once."""
+    made = dict(pairs)
+    if len(made) < len(pairs):
+        raise ValueError("a field is there twice")
+    return made
 
 
 def models_of(situation: Mapping[str, Any], folder: Path) -> dict[str, Any]:

@@ -38,7 +38,23 @@ def joint_complaints(limits: Limits, curve: Curve, granted: Tolerances) -> list[
         most -= limits.acceleration * granted.limit
         hard = curve.most(2)
         complaints += _beyond("accelerates too much", curve, hard, most, limits.acceleration)
+        complaints += _leaps(limits.acceleration, curve, granted)
     return complaints
+
+
+def _leaps(limit: Array, curve: Curve, granted: Tolerances) -> list[Complaint]:
+    """Return complaints about rates that change too much over a piece, however short it is."""
+    piece = np.arange(len(curve.powers))
+    first, last = curve.rates(piece, np.zeros(len(piece))), curve.rates(piece, curve.spans)
+    rates = np.concatenate([first, last[-1:]])
+    steps = np.abs(np.diff(rates, axis=0))
+    allowed = limit * ((1.0 + granted.limit) * curve.spans[:, None])
+    allowed += 10.0 * ROUNDING * (np.abs(rates).max() + limit * curve.knots[-1])
+    return [
+        Complaint("trajectory.rates", f"joint {j} changes its rate at once", _when(curve, over))
+        for j, over in enumerate((steps - allowed).T)
+        if (over > 0.0).any()
+    ]
 
 
 def _ranges(limits: Limits, curve: Curve, granted: Tolerances) -> list[Complaint]:

@@ -9,10 +9,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from gcm_learn.referee.complaints import Unreadable
 from gcm_learn.referee.rotations import Array, rotations, turns, unit
 
 SWING = 4e-3
 """Step of a pendulum, as a share of the time in which it changes."""
+MEETING = 2e-6
+"""By which pieces of a motion may miss each other; twice what the contract grants."""
 STEPS = 32
 """Into which a quadratic motion is cut for bounds of its speed."""
 UNTURNED = (1.0, 0.0, 0.0, 0.0)
@@ -99,7 +102,17 @@ def _piecewise(motion: dict[str, Any], end: float) -> Law:
             at[here], turn[here] = _flown(pieces[k], t[here] - starts[k])
         return at, turn
 
+    for k, start in enumerate(starts[1:]):
+        before, after = (_flown(p, start[None] - p["start"]) for p in pieces[k : k + 2])
+        size = max(1.0, float(np.abs(before[0]).max()))
+        if max(np.abs(before[0] - after[0]).max() / size, _apart(before[1], after[1])) > MEETING:
+            raise Unreadable(f"motion.pieces[{k + 1}]: does not begin where the one before ends")
     return Law(poses, knots, _added(way), _added(turn))
+
+
+def _apart(first: Array, second: Array) -> float:
+    """Return the distance of two orientations, about half the angle between them [rad]."""
+    return float(np.abs(first - second).max()) / 2.0
 
 
 def _sampled(motion: dict[str, Any], end: float) -> Law:
@@ -110,6 +123,8 @@ def _sampled(motion: dict[str, Any], end: float) -> Law:
         times, at, q = np.array([0.0, 1.0]), np.repeat(at, 2, axis=0), np.repeat(q, 2, axis=0)
     q = q / np.linalg.norm(q, axis=1, keepdims=True)
     cosine = np.minimum(np.abs((q[1:] * q[:-1]).sum(axis=1)), 1.0)
+    if (cosine < 1e-9).any():
+        raise Unreadable("motion.orientations: neighbours are half a turn apart")
     way = np.linalg.norm(np.diff(at, axis=0), axis=1)
 
     def poses(t: Array) -> tuple[Array, Array]:

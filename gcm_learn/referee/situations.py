@@ -158,7 +158,9 @@ def check_situation(situation: Any, version: int, kind: str) -> None:
     _arm(situation["arm"], version, kind)
     solid = version > 1 or "plane" in situation
     if "plane" in situation:
-        _fields(situation["plane"], "plane", {"origin": V3, "x": _unit(3), "y": _unit(3)}, {})
+        plane = situation["plane"]
+        _fields(plane, "plane", {"origin": V3, "x": _unit(3), "y": _unit(3)}, {})
+        _orthogonal(plane, "plane", "x", "y")
     for k, body in enumerate(situation["bodies"]):
         _body(body, f"bodies[{k}]", version, solid)
     names = [body["name"] for body in situation["bodies"]]
@@ -166,6 +168,11 @@ def check_situation(situation: Any, version: int, kind: str) -> None:
         raise Unreadable("bodies: two have the same name")
     if not any(body["role"] == "target" for body in situation["bodies"]):
         raise Unreadable("bodies: there is no target")
+
+
+def _orthogonal(given: Any, path: str, first: str, second: str) -> None:
+    if abs(sum(a * b for a, b in zip(given[first], given[second], strict=True))) > UNIT:
+        raise Unreadable(f"{path}: {first} and {second} are not orthogonal")
 
 
 def _object(value: Any) -> bool:
@@ -243,7 +250,15 @@ def _body(body: Any, path: str, version: int, solid: bool) -> None:
     if kind not in [k for k in SHAPES if (k not in ("disc", "polygon")) == solid]:
         raise Unreadable(f"{path}.shape.kind: {str(kind)[:60]} is not a kind of shape here")
     _fields(shape, f"{path}.shape", {"kind": _text, **SHAPES[kind]}, {})
+    if kind == "polygon" and _area(shape["vertices"]) <= 0.0:
+        raise Unreadable(f"{path}.shape.vertices: are not counter-clockwise")
     _motion(body["motion"], f"{path}.motion", version, solid)
+
+
+def _area(vertices: list[Any]) -> float:
+    """Return twice the area of a polygon, positive if it is counter-clockwise."""
+    pairs = zip(vertices, [*vertices[1:], vertices[0]], strict=True)
+    return sum(a[0] * b[1] - a[1] * b[0] for a, b in pairs)
 
 
 def _motion(motion: Any, path: str, version: int, solid: bool) -> None:
@@ -258,6 +273,7 @@ def _motion(motion: Any, path: str, version: int, solid: bool) -> None:
     required, optional = LAWS[kind] if solid else LEVEL
     _fields(motion, path, {"kind": _text, **required}, optional)
     if kind == "pendulum":
+        _orthogonal(motion, path, "axis", "down")
         rates = math.sqrt(motion["gravity"] / motion["length"]), abs(motion["rate"])
         if max(*rates, motion.get("damping", 0.0)) > FASTEST:
             raise Unreadable(f"{path}: swings too fast")

@@ -106,6 +106,17 @@ def test_ranges_are_kept_between_samples_too(smooth, joint, side):
         assert (f"joint {joint} leaves its range" in words(situation, solution)) != fine
 
 
+@pytest.mark.parametrize("span", [1e-6, 1e-10, 1e-13, 1e-15])
+def test_rates_do_not_leap_in_however_short_a_time(span):
+    """A short piece hides an acceleration from differences of joints, but not from rates."""
+    situation, solution = chain()
+    path = solution["trajectory"]
+    for name in path:
+        path[name].insert(1, list(path[name][0]) if name != "time" else span)
+    path["rates"][1] = [1.0, 0.3, 0.5]
+    assert "joint 1" in words(situation, solution)
+
+
 @pytest.mark.parametrize("make", [spatial, chain], ids=["spatial", "chain"])
 @pytest.mark.parametrize("smooth", [False, True])
 def test_the_hands_speed_is_kept_to_the_granted_hair(make, smooth):

@@ -6,6 +6,7 @@ import ast
 import copy
 import json
 import random
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -16,6 +17,7 @@ from gcm_learn import referee
 from gcm_learn.referee import Complaint, Unreadable, judge
 from gcm_learn.referee.__main__ import main
 from tests.referee.answers import MADE
+from tests.worlds import changed
 
 FOLDER = Path(referee.__file__).parent
 ALLOWED = {"gcm_learn", "gcm_learn.late", "gcm_learn.registration"}
@@ -129,6 +131,7 @@ def test_models_are_found_beside_the_file_and_by_name(written, capsys, tmp_path)
             '{"format": "gcm-learn/situation@1", "name": "a"}',
             "horizon: is missing",
         ),
+        ('{"name": "a", "name": "b"}', "a field is there twice"),
         ('{"name": "a"}\n{"name": "a"}', 'name: "a" is there twice'),
     ],
 )
@@ -147,7 +150,22 @@ def test_a_complaint_reads_as_a_line():
     assert str(Complaint("status", "is odd", 0.25, "a")) == "a: status: is odd, at 0.25 s"
 
 
-ODD = [None, True, -1, 0, 1e300, float("nan"), "", "caught", [], [[]], {}, [0.0], {"time": 0}]
+ODD = [
+    None,
+    True,
+    -1,
+    0,
+    1e300,
+    10**400,
+    float("nan"),
+    "",
+    "caught",
+    [],
+    [[]],
+    {},
+    [0.0],
+    {"time": 0},
+]
 
 
 def places(given, path=()):
@@ -194,3 +212,50 @@ def test_no_situation_stops_the_referee_but_with_a_line(case):
                 judge(lie, solution)
             except Unreadable as error:
                 assert "\n" not in str(error)
+
+
+REFUSED = [
+    ("chain", ("arm", "model", "links", 0, "joint"), 9, "arm.model.links[0].joint"),
+    ("chain", ("arm", "model", "hand", "joint"), 0, "arm.model.hand.joint"),
+    ("chain", ("arm", "model", "self_collision"), [[1, 1]], "arm.model.self_collision"),
+    ("chain", ("arm", "model", "joints", 1, "axis"), [0, 0, 2], "arm.model.joints[1].axis"),
+    ("chain", ("arm", "model", "joints", 0, "max_acceleration"), 1.0, "arm.model.joints"),
+    ("chain", ("arm", "posture"), [0.4, 0.25], "arm.posture"),
+    ("chain", ("arm", "kind"), "octopus", "arm.kind"),
+    ("chain", ("bodies", 0, "approach", "within"), 4.0, "bodies[0].approach.within"),
+    ("chain", ("bodies", 2, "approach"), {"axis": [1, 0, 0], "within": 1}, "bodies[2].approach"),
+    ("chain", ("catch",), "some", "catch"),
+    ("chain", ("bodies", 1, "name"), "second", "bodies"),
+    ("chain", ("bodies", 2, "motion"), {"kind": "sampled", "times": [0, 0]}, "bodies[2].motion"),
+    ("solid", ("plane", "y"), [0.0, 0.6, 0.8], "plane"),
+    ("solid", ("bodies", 1, "shape"), {"kind": "disc", "radius": 1}, "bodies[1].shape.kind"),
+    ("planar", ("bodies", 2, "shape", "vertices"), [[0, 0], [0, 1], [1, 0]], "bodies[2].shape"),
+    ("planar", ("arm", "thickness"), -0.1, "arm.thickness"),
+    ("planar", ("horizon",), 0.0, "horizon"),
+    ("spatial", ("plane",), {}, "plane"),
+    ("spatial", ("bodies", 0, "role"), "obstacle", "bodies"),
+    ("spatial", ("bodies", 1, "motion", "orientation"), [1, 1, 0, 0], "bodies[1].motion"),
+]
+
+
+@pytest.mark.parametrize(("case", "path", "to", "field"), REFUSED)
+def test_a_wrong_situation_is_refused_with_its_field(case, path, to, field):
+    situation, solution = MADE[case]()
+    with pytest.raises(Unreadable, match=f"^{re.escape(field)}"):
+        judge(changed(situation, path, to), solution)
+
+
+def test_pieces_that_do_not_meet_are_refused():
+    situation, solution = MADE["chain"]()
+    flight = {"position": [5, 0, 0], "velocity": [0, 0, 0], "acceleration": [0, 0, 0]}
+    pieces = [{"start": 0, **flight}, {"start": 0.2, **flight}]
+    situation["bodies"][2]["motion"] = {"kind": "piecewise", "pieces": pieces}
+    assert "clearance" in str(judge(situation, solution)[0])
+    pieces[1] = pieces[1] | {"position": [5, 0, 1e-3]}
+    with pytest.raises(Unreadable, match="does not begin where"):
+        judge(situation, solution)
+    half = [[1, 0, 0, 0], [0, 1, 0, 0]]
+    motion = {"kind": "sampled", "times": [0, 1], "positions": [[5, 0, 0]] * 2}
+    situation["bodies"][2]["motion"] = motion | {"orientations": half}
+    with pytest.raises(Unreadable, match="half a turn"):
+        judge(situation, solution)
