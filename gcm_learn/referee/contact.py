@@ -125,6 +125,7 @@ def nearest_obstacle(
     if not pairs:
         return Nearest()
     link, body = np.array(pairs).T
+    centred = np.array([o.shape["kind"] != "polygon" for o in obstacles])  # the centre is inside
     items, best, upper = _Intervals(motion.starts(), len(pairs), work), Nearest(), np.inf
     while not items.settled:
         if items.exhausted:
@@ -136,9 +137,9 @@ def nearest_obstacle(
         way = motion.ways(low, middle, high)[place, i]
         way += np.stack([o.ways(low, middle, high) for o in obstacles])[b, place]
         off = point_apart(centre[b, place], axis[:, 0], axis[:, 1]) - motion.radii[i]
-        upper = min(upper, float(off.min()))  # the centre is in the solid
+        upper = min(upper, float(off[centred[b]].min(initial=np.inf)))
         gap = off - np.array([o.ball for o in obstacles])[b]
-        near = gap - way < max(min(best.gap, upper) - close, floor)
+        near = ~(gap - way >= _cut(min(best.gap, upper), close, floor))  # NaN is near
         for k, obstacle in enumerate(obstacles):
             rows = np.flatnonzero(near & (b == k))
             if len(rows) and obstacle.shape["kind"] != "sphere":
@@ -153,12 +154,17 @@ def nearest_obstacle(
                 best = Nearest(float(gap[k]), float(middle[place[k]]), what)
         if best.gap < floor:
             return best
-        cut = max(min(best.gap, upper) - close, floor)
-        items.keep(near & (gap - way < cut) & (way > HAIR * motion.size))
+        cut = _cut(min(best.gap, upper), close, floor)
+        items.keep(near & ~(gap - way >= cut) & ~(way <= HAIR * motion.size))
         items.divide()
     if upper < best.gap:  # within the allowed error
         return Nearest(upper, best.at, best.what)
     return best
+
+
+def _cut(best: float, close: float, floor: float) -> float:
+    """Return the distance from which on an interval is settled."""
+    return floor if np.isinf(close) else max(best - close, floor)
 
 
 def _poses(bodies: list[Body], times: Array) -> tuple[Array, Array]:
@@ -186,6 +192,6 @@ def overlap(motion: Motion, floor: float, work: int = WORK) -> Nearest:
         if gap[k] < floor:
             return Nearest(float(gap[k]), float(middle[place[k]]), f"links {i[k]} and {j[k]}")
         way = motion.pair_ways(low, middle, high)[place, items.which]
-        items.keep((gap - way < floor) & (way > HAIR * motion.size))
+        items.keep(~(gap - way >= floor) & ~(way <= HAIR * motion.size))
         items.divide()
     return Nearest()

@@ -75,7 +75,7 @@ class JointArm:
     def _start(self, columns: Columns) -> list[Complaint]:
         complaints = []
         for name, first in (("joints", self.posture), ("rates", self.rates)):
-            if name in columns and np.abs(columns[name][0] - first).max() > self.granted.start:
+            if name in columns and not np.abs(columns[name][0] - first).max() <= self.granted.start:
                 what = "does not start as the arm of the situation does"
                 complaints.append(Complaint(f"trajectory.{name}", what, 0.0))
         return complaints
@@ -89,7 +89,7 @@ class JointArm:
             if self.granted.touch_absolute:
                 allowed *= np.maximum(1.0, np.linalg.norm(found, axis=1))
             k = int((apart - allowed).argmax())
-            if apart[k] > allowed[k]:
+            if not apart[k] <= allowed[k]:
                 what = f"is {apart[k]:g} off the place that follows from the joints"
                 at = float(columns["time"][k])
                 complaints.append(Complaint(f"trajectory.{name}", what, at))
@@ -105,7 +105,7 @@ class JointArm:
         if granted.grasp_absolute:
             slack = granted.grasp_absolute * max(1.0, self.grasp)
         words = []
-        if away > self.grasp + slack:
+        if not away <= self.grasp + slack:
             words.append(f"misses {body.name}: {away:.9g} away, grasp {self.grasp:g}")
         if body.approach is not None:
             axis = self.geometry.direction(joints, joint, self.axis)[0]

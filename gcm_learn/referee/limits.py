@@ -53,7 +53,7 @@ def _leaps(limit: Array, curve: Curve, granted: Tolerances) -> list[Complaint]:
     return [
         Complaint("trajectory.rates", f"joint {j} changes its rate at once", _when(curve, over))
         for j, over in enumerate((steps - allowed).T)
-        if (over > 0.0).any()
+        if not (over <= 0.0).all()
     ]
 
 
@@ -64,14 +64,14 @@ def _ranges(limits: Limits, curve: Curve, granted: Tolerances) -> list[Complaint
     beyond = np.maximum(limits.low - slack[0] - least, most - limits.high - slack[1])
     return [
         Complaint("trajectory.joints", f"joint {j} leaves its range", _when(curve, beyond[:, j]))
-        for j in np.flatnonzero((beyond > 0.0).any(axis=0))
+        for j in np.flatnonzero(~(beyond <= 0.0).all(axis=0))
     ]
 
 
 def _beyond(words: str, curve: Curve, values: Array, most: Array, limit: Array) -> list[Complaint]:
     """Return a complaint for each joint with a value (n, joints) above the most allowed."""
     complaints = []
-    for j in np.flatnonzero((values > most).any(axis=0)):
+    for j in np.flatnonzero(~(values <= most).all(axis=0)):
         over = values[:, j] - most[:, j]
         what = f"joint {j} {words}: {values[over.argmax(), j]:.9g}, limit {limit[j]:g}"
         complaints.append(Complaint("trajectory.joints", what, _when(curve, over)))
@@ -113,7 +113,7 @@ def _fastest(
     A chord plus its bow bounds the square: half the square's second derivative is bounded.
     """
     first, bow = _bounds(geometry, curve, hand)
-    piece = np.flatnonzero(first**2 > most)
+    piece = np.flatnonzero(~(first**2 <= most))
     low, high = np.zeros(len(piece)), curve.spans[piece]
     spent = 0
     while len(piece):
@@ -127,7 +127,7 @@ def _fastest(
             return float(top[k]), float(curve.knots[piece[k]] + since), True
         if spent > WORK:
             return None, 0.0, False
-        kept = top + (high - low) ** 2 * bow[piece] / 4.0 > most[piece]
+        kept = ~(top + (high - low) ** 2 * bow[piece] / 4.0 <= most[piece])
         piece, low, high = piece[kept], low[kept], high[kept]
         middle = 0.5 * (low + high)
         piece = np.tile(piece, 2)

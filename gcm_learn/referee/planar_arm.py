@@ -139,9 +139,9 @@ class PlanarArm:
         complaints = [
             Complaint("trajectory.joints", words, float(time[values.argmax()]))
             for values, most, words in tests
-            if values.max(initial=0.0) > most
+            if not values.max(initial=0.0) <= most
         ]
-        if not complaints and self._astray(columns) > INTERPOLATION:
+        if not complaints and not self._astray(columns) <= INTERPOLATION:
             what = f"lead the hand {self._astray(columns):g} astray between samples"
             complaints.append(Complaint("trajectory.joints", what))
         return complaints
@@ -161,7 +161,7 @@ class PlanarArm:
         step = np.linalg.norm(np.diff(hand, axis=0), axis=1)
         over = step - (self.hand_speed * granted * span + ROUNDING * (1.0 + time[1:]))
         complaints = []
-        if len(span) and over.max() > 0.0:
+        if len(span) and not over.max() <= 0.0:
             what = f"is too fast, limit {self.hand_speed:g}"
             complaints.append(Complaint("trajectory.hand", what, float(time[over.argmax()])))
         if self.joint_speed is None or not len(span):
@@ -169,7 +169,7 @@ class PlanarArm:
         turned = np.abs(np.diff(columns["joints"], axis=0)) - 1e-12
         for values in (turned, joint_rates(self, time, hand) * span[:, None]):
             beyond = values - self.joint_speed * granted * span[:, None]
-            for j in np.flatnonzero((beyond > 0.0).any(axis=0)):
+            for j in np.flatnonzero(~(beyond <= 0.0).all(axis=0)):
                 at = float(time[beyond[:, j].argmax()])
                 what = f"joint {j} moves too fast, limit {self.joint_speed[j]:g}"
                 complaints.append(Complaint("trajectory.joints", what, at))

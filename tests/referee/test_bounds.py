@@ -261,7 +261,9 @@ def test_the_clearance_is_that_of_dense_samples(shape, kind, rng):
 def test_the_clearance_of_planar_arms_is_that_of_dense_samples(rng):
     situation, solution = planar()
     path = {name: np.array(column) for name, column in solution["trajectory"].items()}
-    for _ in range(6):
+    for k in range(6):
+        corner = [[0.3, 0.3], [0.9, 0.4], [0.6, 0.8]]  # a polygon beside its centre
+        situation["bodies"][2]["shape"]["vertices"] = (np.array(corner) * (0.3 + 0.4 * k)).tolist()
         situation["bodies"][1]["motion"]["position"] = rng.uniform(-2.5, 2.5, 2).tolist()
         situation["bodies"][1]["motion"]["velocity"] = rng.normal(size=2).tolist()
         verdict = examine(situation, solution)
