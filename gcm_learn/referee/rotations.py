@@ -25,6 +25,7 @@ def rotations(quaternion: ArrayLike) -> Array:
 def unit(vector: ArrayLike) -> Array:
     """Return a vector (3,) of length 1."""
     v = np.asarray(vector, dtype=float)
+    v = v / np.abs(v).max()  # squares of tiny numbers are 0
     return v / np.linalg.norm(v)
 
 

@@ -160,6 +160,12 @@ def test_bodies_turn_about_the_worlds_axes():
     assert signed_distance(box, 1.0, [2.0, 0.05, 0.0]) == pytest.approx(-0.1)
 
 
+def test_bodies_that_hardly_turn_stay_as_they_are():
+    motion = still([1.0, 0.0, 0.0], spin=[0.0, 1e-220, 0.0])
+    (centre,), (turn,) = poses({"motion": motion}, [0.5])
+    assert centre.tolist() == [1.0, 0.0, 0.0] and turn == pytest.approx(np.eye(3))
+
+
 def test_sampled_motions_turn_the_short_way_and_rest_at_last():
     half = math.sqrt(0.5)
     motion = {"kind": "sampled", "times": [0, 1], "positions": [[0, 0, 0], [2, 0, 0]]}
