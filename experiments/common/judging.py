@@ -54,7 +54,7 @@ def judged(plan: Plan, situation: Any, referee: Referee, ms: float) -> dict[str,
     row = {"caught": plan.caught, "catch_time": plan.catch_time, "ms": ms}
     if not plan.caught:
         return row
-    return row | {"complaints": len(complaints(situation, plan))}
+    return row | {"complaints": int(referee.broken(situation, plan))}
 
 
 def counts(planner: Any, situation: Any) -> dict[str, int]:

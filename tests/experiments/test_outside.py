@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from experiments.common import outcomes
-from experiments.common.judging import complaints_of_chains
+from experiments.common.judging import complaints
 from gcm_learn.arms import Chain, hands_along
 from gcm_learn.planners import get_planner
 from gcm_learn.situation import (
@@ -140,7 +140,7 @@ def test_planning_anew_meets_the_target_within_the_joints_limits(modules, straig
     situation = scene(velocity)
     done = modules.frozen.Frozen(situation, None).run()
     assert done.plan.caught and done.good
-    found = complaints_of_chains(situation, done.plan)
+    found = complaints(situation, done.plan)
     assert [text for text in found if not text.startswith("clearance")] == []
     periods = done.plan.catch_time / modules.frozen.PERIOD
     assert straight.plans >= periods - 1
@@ -162,7 +162,7 @@ def test_what_the_frozen_world_does_not_show_is_touched(modules, straight):
     situation = scene(NONE, wall)
     done = modules.frozen.Frozen(situation, None).run()
     assert done.plan.caught and not done.good
-    assert any("touches" in text for text in complaints_of_chains(situation, done.plan))
+    assert any("touches" in text for text in complaints(situation, done.plan))
 
 
 def test_plans_that_come_too_late_are_not_followed(modules, straight):
