@@ -76,12 +76,11 @@ def version_of(situation: Mapping[str, Any]) -> int:
     """Return the version of a situation's format."""
     if not isinstance(situation, Mapping):
         raise Unreadable("situation: is not an object")
+    known = {f"{FORMAT}{version}": version for version, _ in KINDS}
     given = str(situation.get("format"))
-    known = {version for version, _ in KINDS}
-    number = given.removeprefix(FORMAT)
-    if not given.startswith(FORMAT) or not number.isdigit() or int(number) not in known:
+    if given not in known:
         raise Unreadable(f'format: "{given}" is not a format of situations')
-    return int(number)
+    return known[given]
 
 
 def arm_of(situation: Mapping[str, Any], models: Models) -> Arm:
