@@ -134,6 +134,10 @@ class RecallError(GcmError, RuntimeError):
     """A memory is missing, damaged, or was made with another index."""
 
 
+class CoverError(GcmError, RuntimeError):
+    """A cover is missing, damaged, or was made for a family that has changed."""
+
+
 class ArenaError(GcmError, ValueError):
     """An argument does not fit the arena; the message names it."""
 

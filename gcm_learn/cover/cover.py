@@ -1,0 +1,210 @@
+"""Covers: a box of parameters cut into cells, with a stored catch for every proven cell."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from gcm_learn.cover.catches import StoredCatch
+from gcm_learn.cover.families import ParametricFamily, parametric_family
+from gcm_learn.errors import CoverError
+from gcm_learn.storage import content_hash, whole_file, write_whole
+
+FORMAT = "gcm-learn/cover@1"
+MANIFEST = "cover.json"
+OPEN, CLOSED = -1, -2
+"""In place of a stored catch: not examined, and not covered."""
+_PER_CATCH = ("anchor", "gain", "body")
+_PER_SAMPLE = ("time", "way", "ramp")
+
+
+@dataclass
+class Cell:
+    """A part of the box; those that are cut have two halves."""
+
+    low: np.ndarray
+    """(K,) float: lowest values of the parameters."""
+    high: np.ndarray
+    """(K,) float: highest values."""
+    trial: int = -1
+    """Index of a catch that was planned for the whole of which this is a half; -1 if none was."""
+    axis: int = -1
+    """Parameter along which the cell is cut in the middle; -1 if it is not."""
+    first: int = -1
+    """Index of the lower half; the upper half comes next."""
+    held: int = OPEN
+    """Index of the stored catch, OPEN or CLOSED."""
+    reason: str = ""
+    """Why the cell was not proven, when it was examined."""
+
+    @property
+    def cut(self) -> float:
+        """Where the cell is cut."""
+        return 0.5 * float(self.low[self.axis] + self.high[self.axis])
+
+
+@dataclass
+class Cover:
+    """Cells of a family's box, and the catches that hold in them."""
+
+    family: ParametricFamily
+    cells: list[Cell] = field(default_factory=list)
+    catches: list[StoredCatch] = field(default_factory=list)
+    curve: list[tuple[int, int, float, float]] = field(default_factory=list)
+    """Growth: cells examined, catches that are held, share covered, time on the wall [s]."""
+
+    def __post_init__(self) -> None:
+        if not self.cells:
+            self.cells.append(Cell(self.family.low.copy(), self.family.high.copy()))
+
+    @property
+    def examined(self) -> int:
+        """Number of cells that have been examined."""
+        return self.curve[-1][0] if self.curve else 0
+
+    @property
+    def seconds(self) -> float:
+        """Time that it took so far [s]."""
+        return self.curve[-1][3] if self.curve else 0.0
+
+    @property
+    def share(self) -> float:
+        """Share of the box that proven cells cover."""
+        return float(sum(self.size(cell) for cell in self.leaves() if cell.held >= 0))
+
+    @property
+    def used(self) -> list[int]:
+        """Indices of the catches that hold in some cell."""
+        return sorted({cell.held for cell in self.leaves() if cell.held >= 0})
+
+    def leaves(self) -> Iterator[Cell]:
+        """Iterate over the cells that are not cut."""
+        return (cell for cell in self.cells if cell.axis < 0)
+
+    def size(self, cell: Cell) -> float:
+        """Return the share of the box that a cell takes."""
+        return float(np.prod((cell.high - cell.low) / (self.family.high - self.family.low)))
+
+    def missing(self) -> dict[str, float]:
+        """Return the shares of the box that are not covered, by reason, the largest first."""
+        shares: dict[str, float] = {}
+        for cell in self.leaves():
+            if cell.held < 0:
+                reason = cell.reason if cell.held == CLOSED else "not examined"
+                shares[reason] = shares.get(reason, 0.0) + self.size(cell)
+        return dict(sorted(shares.items(), key=lambda item: -item[1]))
+
+    def find(self, theta: list[float]) -> Cell | None:
+        """Return the cell in which parameters lie; None if they are outside of the box."""
+        cell = self.cells[0]
+        for value, low, high in zip(theta, cell.low.tolist(), cell.high.tolist(), strict=True):
+            if not low <= value <= high:
+                return None
+        cells = self.cells
+        while cell.axis >= 0:
+            cell = cells[cell.first + (theta[cell.axis] > cell.cut)]
+        return cell
+
+    def save(self, folder: Path) -> None:
+        """Write the cover into a folder; one that is there is replaced when this is complete."""
+        folder.mkdir(parents=True, exist_ok=True)
+        kept = sorted({*self.used, *(c.trial for c in self.leaves() if c.held == OPEN)} - {-1})
+        arrays = _arrays_of(self.cells, [self.catches[k] for k in kept], kept)
+        reasons = sorted({cell.reason for cell in self.cells})
+        arrays["reason"] = np.array([reasons.index(cell.reason) for cell in self.cells])
+        hashed = content_hash(*(np.ascontiguousarray(a).data.cast("B") for a in arrays.values()))
+        data = folder / f"cells-{hashed[:16]}.npz"
+        with whole_file(data) as place:
+            np.savez(place, **arrays)  # type: ignore[arg-type]
+        about = {
+            "format": FORMAT,
+            "family": self.family.name,
+            "free": len(self.family.parameters),
+            "digest": self.family.digest,
+            "data": data.name,
+            "reasons": reasons,
+            "curve": self.curve,
+        }
+        write_whole(folder / MANIFEST, json.dumps(about) + "\n", durable=True)
+        for old in folder.glob("cells-*.npz"):
+            if old != data:
+                old.unlink()
+
+
+def _arrays_of(
+    cells: list[Cell], catches: list[StoredCatch], kept: list[int]
+) -> dict[str, np.ndarray]:
+    """Return cells and catches as arrays; indices of catches become those among the kept ones."""
+    place = {old: new for new, old in enumerate(kept)}
+    arrays = {name: np.array([getattr(c, name) for c in cells]) for name in ("axis", "first")}
+    arrays |= {name: np.array([getattr(c, name) for c in cells]) for name in ("low", "high")}
+    arrays["held"] = np.array([place.get(c.held, c.held) for c in cells])
+    arrays["trial"] = np.array([place.get(c.trial, -1) for c in cells])
+    arrays["counts"] = np.array([len(c.time) for c in catches], dtype=int)
+    if catches:
+        arrays |= {name: np.array([getattr(c, name) for c in catches]) for name in _PER_CATCH}
+        arrays |= {
+            name: np.concatenate([getattr(c, name) for c in catches]) for name in _PER_SAMPLE
+        }
+    return arrays
+
+
+def is_cover(folder: Path) -> bool:
+    """Return whether a folder holds a cover."""
+    return (folder / MANIFEST).is_file()
+
+
+def load_cover(folder: Path) -> Cover:
+    """Read a cover.
+
+    Raises
+    ------
+    CoverError
+        If there is none, it is damaged, or its family has changed since.
+    """
+    path = folder / MANIFEST
+    try:
+        about = json.loads(path.read_text("utf-8"))
+        if about["format"] != FORMAT:
+            raise CoverError(f"{path}: format must be {FORMAT!r} (got {about['format']!r})")
+        family = parametric_family(about["family"]).free(about["free"])
+        with np.load(folder / about["data"]) as stored:
+            arrays = {name: stored[name] for name in stored.files}
+        if about["digest"] != family.digest:
+            raise CoverError(f"{path}: family {family.name!r} has changed; make the cover anew")
+        cells, catches = _cells_of(arrays, about["reasons"]), _catches_of(arrays)
+        return Cover(family, cells, catches, [tuple(row) for row in about["curve"]])
+    except FileNotFoundError as error:
+        missing = Path(error.filename).name
+        raise CoverError(f"{folder}: no cover there ({missing} is missing)") from None
+    except (OSError, ValueError, KeyError, TypeError, IndexError) as error:
+        raise CoverError(f"{path}: not a cover ({error})") from None
+
+
+def _cells_of(arrays: dict[str, np.ndarray], reasons: list[str]) -> list[Cell]:
+    lists: dict[str, Any] = {
+        name: arrays[name].tolist() for name in ("trial", "axis", "first", "held", "reason")
+    }
+    rows = zip(arrays["low"], arrays["high"], *lists.values(), strict=True)
+    return [
+        Cell(low, high, trial, axis, first, held, reasons[reason])
+        for low, high, trial, axis, first, held, reason in rows
+    ]
+
+
+def _catches_of(arrays: dict[str, np.ndarray]) -> list[StoredCatch]:
+    ends = np.cumsum(arrays["counts"]).tolist()
+    return [
+        StoredCatch(
+            arrays["anchor"][k],
+            *(arrays[name][end - count : end] for name in _PER_SAMPLE),
+            gain=arrays["gain"][k],
+            body=int(arrays["body"][k]),
+        )
+        for k, (count, end) in enumerate(zip(arrays["counts"].tolist(), ends, strict=True))
+    ]

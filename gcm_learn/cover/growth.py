@@ -1,0 +1,184 @@
+"""Growth of a cover: examine the largest cells, keep what is proven, cut the others."""
+
+from __future__ import annotations
+
+import heapq
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from gcm_learn.cover.catches import Doubt, StoredCatch, doubt_of, planned
+from gcm_learn.cover.cover import CLOSED, OPEN, Cell, Cover
+from gcm_learn.cover.families import ParametricFamily
+from gcm_learn.processes import Crew
+from gcm_learn.scene import pack
+
+BATCH = 16
+"""Cells that are examined before their results are used, whoever does it."""
+NEIGHBOURS = 3
+"""Stored catches that are tried before one is planned."""
+SMALLEST = 1.0 / 64.0
+"""Side of a cell, as a share of the box's, at which it is not cut any more."""
+SAVED_EVERY = 20.0
+"""Time between checkpoints [s]."""
+
+
+class Question(NamedTuple):
+    """A cell to be examined, and the stored catches that may hold in it."""
+
+    family: ParametricFamily
+    centre: np.ndarray
+    half: np.ndarray
+    known: list[tuple[int, StoredCatch]]
+
+
+@dataclass(frozen=True)
+class Finding:
+    """Result of the examination of a cell."""
+
+    held: int = OPEN
+    """Index of a stored catch that holds in the cell; OPEN if none of the given ones does."""
+    catch: StoredCatch | None = None
+    """A catch that was planned for the middle; it holds in the cell if there is no doubt."""
+    doubt: Doubt | None = None
+
+
+def examine(question: Question) -> Finding:
+    """Look for a catch that provably holds in a cell: among stored ones, then by planning."""
+    family, centre, half, known = question
+    scene = pack(family.situation(centre))
+    for index, catch in known:
+        if doubt_of(family, catch, centre, half, scene) is None:
+            return Finding(index)
+    first, doubt, status = None, None, ""
+    for item in planned(family, centre):
+        if isinstance(item, str):
+            status = item
+            continue
+        found = doubt_of(family, item, centre, half, scene)
+        if found is None:
+            return Finding(catch=item)
+        if first is None:
+            first, doubt = item, found
+    if doubt is None:
+        drifts = family.drifts(np.linspace(0.0, family.middle.horizon, 5))
+        doubt = Doubt(status, half * np.linalg.norm(drifts, axis=-1).max(axis=(0, 2)))
+    return Finding(catch=first, doubt=doubt)
+
+
+@dataclass(frozen=True)
+class Budget:
+    """Limits of growth; it ends at the first that is reached."""
+
+    share: float = 0.95
+    """Share of the box that is to be covered."""
+    minutes: float | None = None
+    """Time on the wall, of this run [min]."""
+    cells: int | None = None
+    """Cells examined in all runs, in whole batches."""
+
+    def spent(self, cover: Cover, seconds: float) -> bool:
+        """Return whether growth ends, after some time of this run [s]."""
+        over = self.minutes is not None and seconds >= 60.0 * self.minutes
+        return over or (self.cells is not None and cover.examined >= self.cells)
+
+
+def grow(
+    cover: Cover,
+    budget: Budget,
+    crew: Crew,
+    *,
+    keep: Callable[[Cover], None] = lambda cover: None,
+    progress: Callable[[float], None] = lambda share: None,
+) -> None:
+    """Examine cells, the largest first, until a share is covered or a budget is spent.
+
+    The result depends on the number of cells only, not on who examines them or on interruptions.
+
+    Parameters
+    ----------
+    cover : Cover
+        Changed in place.
+    budget : Budget
+    crew : Crew
+        Examines cells.
+    keep : callable
+        Called now and then, and at the end, to save the cover.
+    progress : callable
+        Called with the share that is covered.
+    """
+    queue = [(-cover.size(c), k) for k, c in enumerate(cover.cells) if _waits(c)]
+    heapq.heapify(queue)
+    share, before = cover.share, cover.seconds
+    started = saved = time.monotonic()
+    while queue and share < budget.share and not budget.spent(cover, time.monotonic() - started):
+        batch = [heapq.heappop(queue)[1] for _ in range(min(BATCH, len(queue)))]
+        findings = list(crew.map(examine, [_question(cover, k) for k in batch]))
+        for k, finding in zip(batch, findings, strict=True):
+            share += _use(cover, k, finding, queue)
+        now = time.monotonic()
+        count = cover.examined + len(batch)
+        cover.curve.append((count, len(cover.used), share, before + now - started))
+        progress(share)
+        if now - saved > SAVED_EVERY:
+            keep(cover)
+            saved = time.monotonic()
+    keep(cover)
+
+
+def _waits(cell: Cell) -> bool:
+    return cell.axis < 0 and cell.held == OPEN
+
+
+def _question(cover: Cover, k: int) -> Question:
+    """Return the question for a cell: the catch of the whole it is a half of, and near ones."""
+    cell, family = cover.cells[k], cover.family
+    centre, half = 0.5 * (cell.low + cell.high), 0.5 * (cell.high - cell.low)
+    near = _nearest(cover, centre)
+    known = [cell.trial, *(index for index in near if index != cell.trial)]
+    return Question(family, centre, half, [(i, cover.catches[i]) for i in known if i >= 0])
+
+
+def _nearest(cover: Cover, centre: np.ndarray) -> list[int]:
+    """Return the held catches that were planned nearest to a point of the box."""
+    used = cover.used
+    if not used:
+        return []
+    anchors = np.array([cover.catches[index].anchor for index in used])
+    sides = cover.family.high - cover.family.low
+    far = np.abs((anchors - centre) / sides).max(axis=1)
+    return [used[i] for i in np.argsort(far, kind="stable")[:NEIGHBOURS]]
+
+
+def _use(cover: Cover, k: int, finding: Finding, queue: list[tuple[float, int]]) -> float:
+    """Hold what was found in a cell, or cut it; return the share of the box that is now covered."""
+    cell = cover.cells[k]
+    index = finding.held
+    if finding.catch is not None:
+        index = len(cover.catches)
+        cover.catches.append(finding.catch)
+    if finding.doubt is None:
+        cell.held = index
+        return cover.size(cell)
+    cell.reason = finding.doubt.reason
+    axis = _axis(cover, cell, finding.doubt.shares)
+    if axis < 0:
+        cell.held = CLOSED
+        return 0.0
+    cell.axis, cell.first = axis, len(cover.cells)
+    for lower in (True, False):
+        half = Cell(cell.low.copy(), cell.high.copy(), trial=index)
+        (half.high if lower else half.low)[axis] = cell.cut
+        heapq.heappush(queue, (-cover.size(half), len(cover.cells)))
+        cover.cells.append(half)
+    return 0.0
+
+
+def _axis(cover: Cover, cell: Cell, shares: np.ndarray) -> int:
+    """Return the parameter that adds most to the doubt among those still to be cut; else -1."""
+    sides = (cell.high - cell.low) / (cover.family.high - cover.family.low)
+    weights = np.where(sides > SMALLEST * (1.0 + 1e-9), shares, -1.0)
+    return int(weights.argmax()) if weights.max() >= 0.0 else -1

@@ -1,0 +1,211 @@
+"""Table by kind of arm: how stored movements bend, and what they keep over a whole cell."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from gcm_learn.arms import PLANAR, SIDE, ByKind
+from gcm_learn.cover.limits import (
+    CATCH_SAFETY,
+    LARGEST_TURN,
+    STRAY,
+    derivative,
+    hand_room_at_catch,
+    hand_speeds,
+    room_at_catch,
+    turn_bounds,
+)
+from gcm_learn.errors import FamilyError
+from gcm_learn.motion import Movement, joint_turns
+from gcm_learn.scene import Scene
+from gcm_learn.situation import AnySituation, arm_frame
+
+TURN = 0.04
+"""Largest turn of both joints between two samples of a planar arm's stored movement [rad]."""
+DAMPING = 0.02
+"""Of the inverse of the hand's derivative, as a share of the longest lever."""
+GRASP = 0.4
+"""Share of the grasp within which movements in the joints are planned; the rest is for the rule."""
+HELD_BACK = 0.9
+"""Share of the safety of catches that a proof keeps; verification asks for half of it."""
+
+
+class Bundle(NamedTuple):
+    """All movements of a cell: a way, and bounds of the deviations from it."""
+
+    time: np.ndarray
+    """(n,) [s]"""
+    way: np.ndarray
+    """(n, m): hand of a planar arm, joints of others."""
+    ramp: np.ndarray
+    """(n,): share of the whole deviation, growing from 0 to 1."""
+    most: np.ndarray
+    """(m,): bound of the deviation at the end."""
+    body: int
+    """Index of the target."""
+
+    @property
+    def steps(self) -> np.ndarray:
+        """(n - 1, m) float: largest changes between samples; they are largest in a corner."""
+        ramps = np.diff(self.ramp)[:, None] * self.most
+        return np.abs(np.diff(self.way, axis=0)) + ramps
+
+
+class Bending(NamedTuple):
+    """Functions of a kind of arm."""
+
+    prepared: Callable[[AnySituation, float, float], AnySituation]
+    """Situation to plan in: a share of all speeds is used, and so much more clearance is kept."""
+    way: Callable[[Movement], tuple[np.ndarray, np.ndarray]]
+    """Times (n,) and places (n, m) of a movement."""
+    inverse: Callable[[Scene, np.ndarray], np.ndarray]
+    """Change (m, 3) of the last place (m,) for a way of the hand, in the arm's coordinates."""
+    fault: Callable[[Scene, Bundle], str]
+    """First limit that some movement may break; empty if none can."""
+    over: Callable[[Scene, Bundle, np.ndarray, np.ndarray], float]
+    """Bound of the distance of hand and target beyond the grasp; not above 0 is a catch.
+
+    It takes what the rule leaves of the target's way, (3, K), and half the cell's sides (K,)."""
+    movement: Callable[[Any, np.ndarray, np.ndarray], Movement]
+    """Movement of an arm from times (n,) and places (n, m)."""
+
+
+def _held_speeds(arm: Any, share: float) -> dict[str, Any]:
+    """Return the limits of speed of an arm that uses a share of them."""
+    hand, joints = arm.max_hand_speed, arm.max_joint_speed
+    return {
+        "max_hand_speed": None if hand is None else share * hand,
+        "max_joint_speed": None if joints is None else tuple(share * top for top in joints),
+    }
+
+
+def _prepared_hand(situation: AnySituation, share: float, margin: float) -> AnySituation:
+    arm: Any = situation.arm
+    changes = {**_held_speeds(arm, share), "thickness": arm.thickness + margin}
+    return replace(situation, arm=replace(arm, **changes))
+
+
+def _prepared_joints(situation: AnySituation, share: float, margin: float) -> AnySituation:
+    """Return the situation with a slower and thicker arm, whose hand goes deeper into targets."""
+    arm: Any = situation.arm
+    if arm.max_joint_acceleration is not None:
+        raise FamilyError("middle.arm.max_joint_acceleration", "covers take no limits of it yet")
+    changes = {**_held_speeds(arm, share), "thickness": arm.thickness + margin}
+    return replace(situation, arm=replace(arm, **changes, grasp=GRASP * arm.grasp))
+
+
+def _hand_way(movement: Movement) -> tuple[np.ndarray, np.ndarray]:
+    """Return times and hands, so dense that joints turn little between samples.
+
+    Joints that are linear between the samples then lead the hand along a nearly straight line.
+    """
+    arm, keep = movement.arm, np.append(np.diff(movement.time) > 0.0, True)
+    time, hand = movement.time[keep], movement.hand[keep]
+    turns = joint_turns(hand, arm.upper_arm, SIDE[arm.elbow], 4).sum(axis=1)
+    counts = np.maximum(np.ceil(turns / TURN).astype(int), 1)
+    parts = [k + np.arange(count) / count for k, count in enumerate(counts)]
+    places, order = np.concatenate([*parts, [float(len(counts))]]), np.arange(len(time))
+    dense = [np.interp(places, order, column) for column in hand.T]
+    return np.interp(places, order, time), np.stack(dense, axis=1)
+
+
+def _hand_fault(scene: Scene, bundle: Bundle) -> str:
+    """Name the first limit that some movement of a planar arm may break."""
+    limits, rho, spans = scene.limits, scene.limb.rho, np.diff(bundle.time)
+    way = np.hypot(*bundle.steps.T)
+    if (way > limits.speed * spans).any():
+        return "hand speed"
+    far = bundle.ramp * np.hypot(*bundle.most)
+    turns = turn_bounds(bundle.way, far, rho) * way[:, None]
+    first, second = turns.T
+    # The second derivative along a straight move of the joints bounds how far its hand strays.
+    strays = 0.125 * (rho * first**2 + (first + second) ** 2)
+    if turns.max() > LARGEST_TURN or strays.max() > STRAY:
+        return "reach"
+    most = np.array([limits.shoulder, limits.elbow])
+    return "joint speed" if (turns > most * spans[:, None]).any() else ""
+
+
+def _joint_fault(scene: Scene, bundle: Bundle) -> str:
+    """Name the first limit that some movement in the joints may break."""
+    limits, limb, steps = scene.limits, scene.limb, bundle.steps
+    spans, away = np.diff(bundle.time)[:, None], bundle.ramp[:, None] * bundle.most
+    if (steps > limits.joint_speed * spans).any():
+        return "joint speed"
+    if (bundle.way - away < limb.low).any() or (bundle.way + away > limb.high).any():
+        return "joint range"
+    fast = limits.speed < np.inf and (hand_speeds(limb, steps / spans) > limits.speed).any()
+    return "hand speed" if fast else ""
+
+
+def _hand_over(scene: Scene, bundle: Bundle, left: np.ndarray, half: np.ndarray) -> float:
+    """Bound what a planar hand lacks: hand and target move alike, so as much as in the middle."""
+    room = hand_room_at_catch(scene, *bundle.way[-1], bundle.time[-1], bundle.body)
+    off = float(np.linalg.norm(np.abs(left) @ half))
+    return float(room) + off - scene.limits.grasp + HELD_BACK * CATCH_SAFETY
+
+
+def _joints_over(scene: Scene, bundle: Bundle, left: np.ndarray, half: np.ndarray) -> float:
+    """Bound what a hand lacks by the rule's first order and a bound of its second.
+
+    A second derivative of the hand by two joints is at most as long as the longest lever.
+    """
+    q = bundle.way[-1]
+    room = room_at_catch(scene, q, bundle.time[-1], bundle.body)
+    bent = 0.5 * derivative(scene.limb, q)[1] * float(bundle.most.sum()) ** 2
+    off = float(np.linalg.norm(np.abs(left) @ half)) + bent
+    return float(room) + off - scene.limits.grasp + HELD_BACK * CATCH_SAFETY * scene.limb.length
+
+
+def _joint_inverse(scene: Scene, q: np.ndarray) -> np.ndarray:
+    """Return the damped inverse of the hand's derivative at joints q (m,)."""
+    slope, lever = derivative(scene.limb, q)
+    damped = slope @ slope.T + (DAMPING * lever) ** 2 * np.eye(3)
+    result: np.ndarray = np.linalg.solve(damped, slope).T
+    return result
+
+
+BENDING: ByKind[Bending] = ByKind(
+    {
+        PLANAR: Bending(
+            _prepared_hand,
+            _hand_way,
+            lambda scene, hand: np.eye(2, 3),
+            _hand_fault,
+            _hand_over,
+            Movement.of_hand,
+        )
+    },
+    default=Bending(
+        _prepared_joints,
+        lambda movement: (movement.time, movement.joints),
+        _joint_inverse,
+        _joint_fault,
+        _joints_over,
+        Movement,
+    ),
+)
+
+
+def slope_at(scene: Scene, place: np.ndarray) -> np.ndarray:
+    """Return the derivative (3, m) of the hand by a place (m,), in the arm's coordinates."""
+    return SLOPES.of(scene)(scene, place)
+
+
+SLOPES: ByKind[Callable[[Scene, np.ndarray], np.ndarray]] = ByKind(
+    {PLANAR: lambda scene, hand: np.eye(3, 2)},
+    default=lambda scene, q: derivative(scene.limb, q)[0],
+)
+
+
+def in_arm(situation: AnySituation, vectors: np.ndarray) -> np.ndarray:
+    """Turn vectors (..., 2 or 3) of the world into the arm's coordinates (..., 3)."""
+    turn, _ = arm_frame(situation)
+    whole = np.zeros((*vectors.shape[:-1], 3))
+    whole[..., : vectors.shape[-1]] = vectors
+    result: np.ndarray = whole @ turn.T
+    return result
