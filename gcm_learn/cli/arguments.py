@@ -15,6 +15,7 @@ from gcm_learn import __version__
 from gcm_learn.cli.animate import Animate
 from gcm_learn.cli.arm import Arm, Arms
 from gcm_learn.cli.convert import Convert
+from gcm_learn.cli.cover import Cover
 from gcm_learn.cli.demo import Demo
 from gcm_learn.cli.draw import Draw
 from gcm_learn.cli.evaluate import Evaluate
@@ -55,6 +56,7 @@ examples:
   gcm-learn inspect data/mine                          what is in it, in numbers
   gcm-learn gallery data/mine                          and in pictures
   gcm-learn remember data/mine --out models/recall     a memory of its catches
+  gcm-learn cover belt --out models/cover-belt         proven catches for a family of situations
   gcm-learn train-policy clone.yml --out models/clone  a policy that learns in the arena
   gcm-learn train-encoder data/mine --out models/encoder   what recall asks it with
   gcm-learn evaluate --policies layered,straight,clone all on the same situations, with a report
@@ -86,6 +88,7 @@ COMMANDS: dict[str, Callable[..., Command]] = {
     "inspect": Inspect,
     "gallery": Gallery,
     "remember": Remember,
+    "cover": Cover,
     "train-policy": TrainPolicy,
     "train-encoder": TrainEncoder,
     "evaluate": Evaluate,

@@ -41,7 +41,8 @@ class Solve:
     memory: Annotated[Path | None, arg(metavar="DIR", help_behavior_hint="(default: its own)")] = (
         None
     )
-    """folder of a memory, see gcm-learn remember, for a planner that recalls"""
+    """folder of a memory, see gcm-learn remember, for a planner that recalls; of a cover, see
+    gcm-learn cover, for the planner covered"""
 
     deadline: Annotated[
         float | None, arg(metavar="MS", help_behavior_hint="(default: the first catch)")
@@ -92,6 +93,10 @@ class Solve:
 
         if self.memory is None:
             return get_planner(self.planner)
+        from gcm_learn.cover import NAME, with_cover
+
+        if self.planner == NAME:
+            return with_cover(self.memory)
         from gcm_learn.recall import Memory, with_memory
 
         return with_memory(self.planner, Memory.load(self.memory))

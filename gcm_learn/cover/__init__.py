@@ -1,6 +1,7 @@
 """Covers: stored catches with proven cells, for families of situations with few parameters."""
 
 from gcm_learn.cover.catches import Doubt, StoredCatch, doubt_of, planned
+from gcm_learn.cover.checking import broken_of, draws
 from gcm_learn.cover.cover import Cell, Cover, is_cover, load_cover
 from gcm_learn.cover.families import (
     FAMILIES,
@@ -25,8 +26,10 @@ __all__ = [
     "ParametricFamily",
     "Question",
     "StoredCatch",
+    "broken_of",
     "covered",
     "doubt_of",
+    "draws",
     "examine",
     "grow",
     "is_cover",

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,8 +20,8 @@ WIDER = 1e-9
 """By how much proven cells are larger than their sides say, against rounding."""
 BEGINS = (0.0, 0.5)
 """Shares of a movement at which its deviation begins; both are tried."""
-LADDER = ((0.8, 0.1), (0.85, 0.05), (0.9, 0.025), (0.95, 0.008))
-"""Shares of speeds, and clearances beyond those of plans [forearms], with which is planned."""
+LADDER = ((0.75, 0.2), (0.8, 0.1), (0.85, 0.05), (0.9, 0.025), (0.95, 0.008))
+"""Shares of speeds, and clearances beyond those of plans [forearms]; the first plan counts."""
 
 
 @dataclass(frozen=True)
@@ -107,35 +106,39 @@ def doubt_of(
         return None
     if body == ITSELF:
         return Doubt("clearance", own)
-    moved = np.linalg.norm(in_arm(family.middle, family.drifts(np.array([when])))[0, :, body], axis=1)
+    moved = np.linalg.norm(
+        in_arm(family.middle, family.drifts(np.array([when])))[0, :, body], axis=1
+    )
     return Doubt("clearance", own * np.interp(when, catch.time, catch.ramp) + half * moved)
 
 
-def planned(family: ParametricFamily, theta: np.ndarray) -> Iterator[StoredCatch | str]:
-    """Plan for parameters theta (K,), with less and less to spare.
+def planned(family: ParametricFamily, theta: np.ndarray) -> tuple[list[StoredCatch], str]:
+    """Plan for parameters theta (K,), with as much to spare as there is a plan for.
 
-    Yields
-    ------
-    StoredCatch or str
-        A movement with a ramp from each of `BEGINS`, or the reason for its absence.
+    Returns
+    -------
+    catches : list of StoredCatch
+        The movement, with a ramp from each of `BEGINS`.
+    reason : str
+        Why there is none.
     """
     situation, scene = family.situation(theta), pack(family.situation(theta))
     bending, unit = BENDING.of(scene), getattr(scene.limb, "length", 1.0)
-    names = [body.name for body in situation.bodies]
+    names, reason = [body.name for body in situation.bodies], ""
     for share, margin in LADDER:
         plan = get_planner("search").plan(bending.prepared(situation, share, margin * unit))
         if plan.trajectory is None or plan.catch_body is None:
-            yield plan.status
+            reason = plan.status
             continue
         if plan.trajectory.time.size < 2:
-            yield "at once"
-            continue
+            return [], "caught at t = 0"
         time, way = bending.way(plan.trajectory)
         body = names.index(plan.catch_body)
         drift = in_arm(situation, family.drifts(time[-1:])[0, :, body])
         gain = bending.inverse(scene, way[-1]) @ drift.T
-        for begin in BEGINS:
-            yield _ramped(StoredCatch(theta, time, way, time, gain, body), begin)
+        bare = StoredCatch(theta, time, way, time, gain, body)
+        return [_ramped(bare, begin) for begin in BEGINS], ""
+    return [], reason
 
 
 def _ramped(catch: StoredCatch, begin: float) -> StoredCatch:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -77,10 +78,15 @@ class Cover:
         """Share of the box that proven cells cover."""
         return float(sum(self.size(cell) for cell in self.leaves() if cell.held >= 0))
 
-    @property
-    def used(self) -> list[int]:
-        """Indices of the catches that hold in some cell."""
-        return sorted({cell.held for cell in self.leaves() if cell.held >= 0})
+    @cached_property
+    def used(self) -> set[int]:
+        """Indices of the catches that hold in some cell; `hold` adds to them."""
+        return {cell.held for cell in self.cells if cell.held >= 0}
+
+    def hold(self, cell: Cell, index: int) -> None:
+        """Note that a stored catch holds in a cell."""
+        cell.held = index
+        self.used.add(index)
 
     def leaves(self) -> Iterator[Cell]:
         """Iterate over the cells that are not cut."""

@@ -111,7 +111,7 @@ class ParametricFamily:
         """Return the situation of parameters theta (K,)."""
         numbers = self.numbers + np.tensordot(theta - self.centre, self.slopes, 1)
         bodies = (
-            replace(body, motion=replace(body.motion, **dict(zip(_LAW, map(tuple, rows)))))
+            replace(body, motion=replace(body.motion, **_law_of(rows)))
             for body, rows in zip(self.middle.bodies, numbers.tolist(), strict=True)
         )
         return replace(self.middle, name=name or self.name, bodies=tuple(bodies))
@@ -155,6 +155,11 @@ def law_numbers(situation: AnySituation) -> np.ndarray:
     return np.array(rows)
 
 
+def _law_of(rows: list[list[float]]) -> dict[str, Any]:
+    """Return fields of a motion from the rows (3, dim) of its numbers."""
+    return {name: tuple(row) for name, row in zip(_LAW, rows, strict=True)}
+
+
 def _alike(body: Body, other: Body) -> bool:
     """Return whether two bodies differ at most in what parameters change."""
     if body.role != other.role or body.shape != other.shape or body.approach != other.approach:
@@ -190,17 +195,17 @@ def belt() -> ParametricFamily:
         "a part on a belt in the plane, behind posts and a moving carrier",
         Situation("belt", 1.6, arm, bodies),
         (
-            Parameter("along", -0.2, 0.2, "forearms", (("part", "position", (1.0, 0.0)),)),
-            Parameter("across", -0.1, 0.1, "forearms", (("part", "position", (0.0, 1.0)),)),
+            Parameter("along", -0.4, 0.4, "forearms", (("part", "position", (1.0, 0.0)),)),
+            Parameter("across", -0.15, 0.15, "forearms", (("part", "position", (0.0, 1.0)),)),
             Parameter(
                 "pace",
-                -0.15,
-                0.15,
+                -0.3,
+                0.3,
                 "forearms/s",
                 tuple((name, "velocity", (1.0, 0.0)) for name in goods),
             ),
-            Parameter("phase", -0.2, 0.2, "forearms", (("carrier", "position", (1.0, 0.0)),)),
-            Parameter("speed", -0.15, 0.15, "forearms/s", (("carrier", "velocity", (1.0, 0.0)),)),
+            Parameter("phase", -0.3, 0.3, "forearms", (("carrier", "position", (1.0, 0.0)),)),
+            Parameter("speed", -0.3, 0.3, "forearms/s", (("carrier", "velocity", (1.0, 0.0)),)),
         ),
     )
 
@@ -235,17 +240,17 @@ def belt_in_space() -> ParametricFamily:
         "a part on a belt before a spatial arm, behind posts and a moving carrier",
         Situation("belt-space", 1.6, arm, bodies),
         (
-            Parameter("along", -0.2, 0.2, "lengths", (("part", "position", (0.0, 1.0, 0.0)),)),
-            Parameter("across", -0.1, 0.1, "lengths", (("part", "position", (1.0, 0.0, 0.0)),)),
+            Parameter("along", -0.4, 0.4, "lengths", (("part", "position", (0.0, 1.0, 0.0)),)),
+            Parameter("across", -0.15, 0.15, "lengths", (("part", "position", (1.0, 0.0, 0.0)),)),
             Parameter(
                 "pace",
-                -0.15,
-                0.15,
+                -0.3,
+                0.3,
                 "lengths/s",
                 tuple((name, "velocity", (0.0, 1.0, 0.0)) for name in goods),
             ),
-            Parameter("phase", -0.2, 0.2, "lengths", (("carrier", "position", (0.0, 1.0, 0.0)),)),
-            Parameter("speed", -0.15, 0.15, "lengths/s", (("carrier", "velocity", (0.0, 1.0, 0.0)),)),
+            Parameter("phase", -0.3, 0.3, "lengths", (("carrier", "position", (0.0, 1.0, 0.0)),)),
+            Parameter("speed", -0.3, 0.3, "lengths/s", (("carrier", "velocity", (0.0, 1.0, 0.0)),)),
         ),
     )
 

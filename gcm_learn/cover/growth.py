@@ -53,20 +53,17 @@ def examine(question: Question) -> Finding:
     for index, catch in known:
         if doubt_of(family, catch, centre, half, scene) is None:
             return Finding(index)
-    first, doubt, status = None, None, ""
-    for item in planned(family, centre):
-        if isinstance(item, str):
-            status = item
-            continue
-        found = doubt_of(family, item, centre, half, scene)
-        if found is None:
-            return Finding(catch=item)
-        if first is None:
-            first, doubt = item, found
-    if doubt is None:
-        drifts = family.drifts(np.linspace(0.0, family.middle.horizon, 5))
-        doubt = Doubt(status, half * np.linalg.norm(drifts, axis=-1).max(axis=(0, 2)))
-    return Finding(catch=first, doubt=doubt)
+    catches, reason = planned(family, centre)
+    doubts = []
+    for catch in catches:
+        doubts.append(doubt_of(family, catch, centre, half, scene))
+        if doubts[-1] is None:
+            return Finding(catch=catch)
+    if catches:
+        return Finding(catch=catches[0], doubt=doubts[0])
+    drifts = family.drifts(np.linspace(0.0, family.middle.horizon, 5))
+    moved = np.linalg.norm(drifts, axis=-1).max(axis=(0, 2))
+    return Finding(doubt=Doubt(reason, half * moved))
 
 
 @dataclass(frozen=True)
@@ -144,7 +141,7 @@ def _question(cover: Cover, k: int) -> Question:
 
 def _nearest(cover: Cover, centre: np.ndarray) -> list[int]:
     """Return the held catches that were planned nearest to a point of the box."""
-    used = cover.used
+    used = sorted(cover.used)
     if not used:
         return []
     anchors = np.array([cover.catches[index].anchor for index in used])
@@ -161,7 +158,7 @@ def _use(cover: Cover, k: int, finding: Finding, queue: list[tuple[float, int]])
         index = len(cover.catches)
         cover.catches.append(finding.catch)
     if finding.doubt is None:
-        cell.held = index
+        cover.hold(cell, index)
         return cover.size(cell)
     cell.reason = finding.doubt.reason
     axis = _axis(cover, cell, finding.doubt.shares)

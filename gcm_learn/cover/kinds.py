@@ -122,9 +122,10 @@ def _hand_fault(scene: Scene, bundle: Bundle) -> str:
     far = bundle.ramp * np.hypot(*bundle.most)
     turns = turn_bounds(bundle.way, far, rho) * way[:, None]
     first, second = turns.T
+    if turns.max() > LARGEST_TURN:
+        return "reach"
     # The second derivative along a straight move of the joints bounds how far its hand strays.
-    strays = 0.125 * (rho * first**2 + (first + second) ** 2)
-    if turns.max() > LARGEST_TURN or strays.max() > STRAY:
+    if 0.125 * (rho * first**2 + (first + second) ** 2).max() > STRAY:
         return "reach"
     most = np.array([limits.shoulder, limits.elbow])
     return "joint speed" if (turns > most * spans[:, None]).any() else ""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -14,11 +14,31 @@ from gcm_learn import artifacts
 from gcm_learn.arms import Kind, kind_of
 from gcm_learn.cover.cover import CLOSED, MANIFEST, Cell, Cover, load_cover
 from gcm_learn.errors import CoverError
-from gcm_learn.motion import Failure
+from gcm_learn.motion import Failure, rules_of, verify
 from gcm_learn.planners import Plan
+from gcm_learn.scene import pack
 from gcm_learn.situation import AnySituation
 
 NAME = "covered"
+
+
+class ProvenPlan(Plan):
+    """Plan of a proven cell; its clearance is measured when it is first asked for."""
+
+    @classmethod
+    def of(cls, situation: AnySituation, body: int, **known: Any) -> ProvenPlan:
+        """Return the plan of a situation that catches one of its bodies."""
+        made = cls(name=situation.name, status="caught", **known)
+        vars(made)["_asked"] = situation, body
+        del vars(made)["clearance"]  # so that the property answers
+        return made
+
+    @cached_property
+    def clearance(self) -> float | None:  # type: ignore[override]
+        """Smallest distance of limb and obstacles, less the thickness."""
+        situation, body = vars(self)["_asked"]
+        scene = pack(situation)
+        return verify(scene, rules_of(scene), self.trajectory, body).clearance  # type: ignore[arg-type]
 
 
 @dataclass(frozen=True)
@@ -64,10 +84,10 @@ class CoveredPlanner:
         catch = cover.catches[held]
         movement = catch.movement(cover.family, theta)
         body = situation.bodies[catch.body].name
-        return Plan(
-            name=situation.name,
+        return ProvenPlan.of(
+            situation,
+            catch.body,
             planner=self.name,
-            status="caught",
             message=f"caught {body!r} at {movement.duration:.3f} s",
             planning_ms=1e3 * (time.perf_counter() - started),
             catch_time=movement.duration,

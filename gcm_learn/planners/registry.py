@@ -47,6 +47,7 @@ _PLANNERS: dict[str, str | ByKind[str]] = {
 """Factories in this folder, imported when they are needed; of some names one for each kind."""
 
 _ABOVE = {
+    "covered": "gcm_learn.cover.planner:covered",
     "hybrid": "gcm_learn.recall.planners:hybrid",
     "recall": "gcm_learn.recall.planners:recall",
     "recall-1": "gcm_learn.recall.planners:first_choice",

@@ -1,0 +1,124 @@
+"""``gcm-learn cover``: stored catches with proven cells, for a family with few parameters."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from tyro.conf import Positional, arg
+
+from gcm_learn.cli.failures import CommandFailure, why
+from gcm_learn.cli.progress import Progress, check_workers
+
+if TYPE_CHECKING:
+    from gcm_learn.cover import Cover as Grown
+    from gcm_learn.cover import ParametricFamily
+
+PARTS = 1000  # of the box, in which the bar counts
+
+
+@dataclass(frozen=True)
+class Cover:
+    """Cut the box of a family's parameters into cells, and prove one stored catch for each.
+
+    Ctrl-C keeps what has been saved; the same command goes on from there.
+    """
+
+    family: Annotated[Positional[str], arg(metavar="FAMILY")]
+    """belt (in the plane) or belt-space (a spatial arm)"""
+
+    out: Annotated[Path, arg(metavar="DIR")]
+    """folder for the cover; one that is there is enlarged"""
+
+    free: Annotated[int, arg(metavar="N")] = 3
+    """parameters that are free, in their order; the others are in the middle of their ranges"""
+
+    share: Annotated[float, arg(metavar="SHARE")] = 0.95
+    """share of the box that is to be covered"""
+
+    minutes: Annotated[
+        float | None, arg(metavar="MIN", help_behavior_hint="(default: no limit)")
+    ] = None
+    """time for this run"""
+
+    cells: Annotated[int | None, arg(metavar="N", help_behavior_hint="(default: no limit)")] = None
+    """cells that are examined in all runs, in batches of 16"""
+
+    workers: Annotated[int, arg(metavar="N")] = 1
+    """processes on this machine"""
+
+    check: Annotated[int, arg(metavar="N")] = 0
+    """situations of proven cells that are drawn and verified afterwards"""
+
+    seed: Annotated[int, arg(metavar="N")] = 0
+    """of these draws"""
+
+    def run(self) -> int:
+        """Enlarge the cover; say what it covers, and what it does not and why."""
+        self._check_arguments()
+        from gcm_learn.cover import Budget, grow, parametric_family
+        from gcm_learn.processes import crew_of
+
+        cover = self._begun(parametric_family(self.family).free(self.free))
+        budget = Budget(self.share, self.minutes, self.cells)
+        with crew_of(self.workers) as crew, Progress(round(PARTS * self.share), "‰") as bar:
+
+            def note(share: float) -> None:
+                bar.advance(round(PARTS * share) - bar.done)
+
+            try:
+                grow(cover, budget, crew, keep=self._save, progress=note)
+            except OSError as error:
+                raise CommandFailure(f"--out {self.out}: {why(error)}") from None
+        print(_summary(self.out, cover))
+        return self._checked(cover) if self.check else 0
+
+    def _check_arguments(self) -> None:
+        """Refuse numbers outside of their ranges."""
+        if not 0.0 < self.share <= 1.0:
+            raise CommandFailure(f"--share {self.share:g}: must be above 0 and at most 1")
+        if self.minutes is not None and not self.minutes > 0.0:
+            raise CommandFailure(f"--minutes {self.minutes:g}: must be above 0")
+        if self.cells is not None and self.cells < 1:
+            raise CommandFailure(f"--cells {self.cells}: must be at least 1")
+        for name in ("check", "seed"):
+            if getattr(self, name) < 0:
+                raise CommandFailure(f"--{name} {getattr(self, name)}: must not be negative")
+        check_workers(self.workers)
+
+    def _begun(self, family: ParametricFamily) -> Grown:
+        """Return the cover of the folder, or a new one."""
+        from gcm_learn.cover import Cover, is_cover, load_cover
+
+        if not is_cover(self.out):
+            return Cover(family)
+        cover = load_cover(self.out)
+        if cover.family.digest != family.digest:
+            had = f"{cover.family.name} with {len(cover.family.parameters)} free parameters"
+            raise CommandFailure(f"--out {self.out}: holds a cover of {had}")
+        return cover
+
+    def _save(self, cover: Grown) -> None:
+        cover.save(self.out)
+
+    def _checked(self, cover: Grown) -> int:
+        """Verify draws, say how many broke a promise, and return the exit code."""
+        from gcm_learn.cover import broken_of
+
+        with Progress(self.check, "draws") as bar:
+            broken, drawn = broken_of(cover, self.check, self.seed, bar.advance)
+        print(f"{self.out}: {broken} of {drawn} draws from proven cells break a promise")
+        return 1 if broken else 0
+
+
+def _summary(out: Path, cover: Grown) -> str:
+    """Return what a cover covers, and what it does not and why."""
+    lines = [
+        f"{out}: {100.0 * cover.share:.1f} % of {cover.family.name} with "
+        f"{len(cover.family.parameters)} free parameters, {len(cover.used)} stored catches, "
+        f"{cover.examined} cells examined in {cover.seconds:.0f} s"
+    ]
+    for reason, share in cover.missing().items():
+        lines.append(f"  not covered: {100.0 * share:.2f} %, {reason}")
+    return "\n".join(lines)
