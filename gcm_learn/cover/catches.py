@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -11,7 +12,7 @@ from gcm_learn.cover.kinds import BENDING, Bundle, in_arm, slope_at
 from gcm_learn.cover.limits import SAFETY
 from gcm_learn.cover.reaching import ITSELF, NOWHERE, first_touch
 from gcm_learn.motion import Movement
-from gcm_learn.planners import get_planner
+from gcm_learn.planners import solve
 from gcm_learn.scene import Scene, pack
 
 HAIR = 1e-5
@@ -122,11 +123,13 @@ def planned(family: ParametricFamily, theta: np.ndarray) -> tuple[list[StoredCat
     reason : str
         Why there is none.
     """
-    situation, scene = family.situation(theta), pack(family.situation(theta))
+    situation = family.situation(theta)
+    scene = pack(situation)
     bending, unit = BENDING.of(scene), getattr(scene.limb, "length", 1.0)
     names, reason = [body.name for body in situation.bodies], ""
     for share, margin in LADDER:
-        plan = get_planner("search").plan(bending.prepared(situation, share, margin * unit))
+        asked: Any = bending.prepared(situation, share, margin * unit)
+        plan = solve(asked)
         if plan.trajectory is None or plan.catch_body is None:
             reason = plan.status
             continue

@@ -43,10 +43,13 @@ class Cell:
     reason: str = ""
     """Why the cell was not proven, when it was examined."""
 
-    @property
-    def cut(self) -> float:
-        """Where the cell is cut."""
-        return 0.5 * float(self.low[self.axis] + self.high[self.axis])
+    def __post_init__(self) -> None:
+        self.cut_in(self.axis, self.first)
+
+    def cut_in(self, axis: int, first: int) -> None:
+        """Note the cut in the middle along a parameter, and the index of the lower half."""
+        self.axis, self.first = axis, first
+        self.cut = 0.5 * float(self.low[axis] + self.high[axis])
 
 
 @dataclass
@@ -205,12 +208,9 @@ def _cells_of(arrays: dict[str, np.ndarray], reasons: list[str]) -> list[Cell]:
 
 def _catches_of(arrays: dict[str, np.ndarray]) -> list[StoredCatch]:
     ends = np.cumsum(arrays["counts"]).tolist()
-    return [
-        StoredCatch(
-            arrays["anchor"][k],
-            *(arrays[name][end - count : end] for name in _PER_SAMPLE),
-            gain=arrays["gain"][k],
-            body=int(arrays["body"][k]),
-        )
-        for k, (count, end) in enumerate(zip(arrays["counts"].tolist(), ends, strict=True))
-    ]
+    made = []
+    for k, (count, end) in enumerate(zip(arrays["counts"].tolist(), ends, strict=True)):
+        time, way, ramp = (arrays[name][end - count : end] for name in _PER_SAMPLE)
+        anchor, gain, body = (arrays[name][k] for name in _PER_CATCH)
+        made.append(StoredCatch(anchor, time, way, ramp, gain, int(body)))
+    return made

@@ -165,7 +165,7 @@ def _use(cover: Cover, k: int, finding: Finding, queue: list[tuple[float, int]])
     if axis < 0:
         cell.held = CLOSED
         return 0.0
-    cell.axis, cell.first = axis, len(cover.cells)
+    cell.cut_in(axis, len(cover.cells))
     for lower in (True, False):
         half = Cell(cell.low.copy(), cell.high.copy(), trial=index)
         (half.high if lower else half.low)[axis] = cell.cut
