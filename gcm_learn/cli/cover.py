@@ -26,7 +26,7 @@ class Cover:
     """
 
     family: Annotated[Positional[str], arg(metavar="FAMILY")]
-    """belt (in the plane) or belt-space (a spatial arm)"""
+    """belt (in the plane), belt-space (a spatial arm) or belt-chain (a Panda)"""
 
     out: Annotated[Path, arg(metavar="DIR")]
     """folder for the cover; one that is there is enlarged"""

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from gcm_learn.cover.families import ParametricFamily
-from gcm_learn.cover.kinds import BENDING, Bundle, in_arm, slope_at
+from gcm_learn.cover.kinds import BENDING, Bundle, in_arm, prepared, slope_at
 from gcm_learn.cover.limits import SAFETY
 from gcm_learn.cover.reaching import ITSELF, NOWHERE, first_touch
 from gcm_learn.motion import Movement
@@ -128,7 +128,7 @@ def planned(family: ParametricFamily, theta: np.ndarray) -> tuple[list[StoredCat
     bending, unit = BENDING.of(scene), getattr(scene.limb, "length", 1.0)
     names, reason = [body.name for body in situation.bodies], ""
     for share, margin in LADDER:
-        asked: Any = bending.prepared(situation, share, margin * unit)
+        asked: Any = prepared(situation, share, margin * unit)
         plan = solve(asked)
         if plan.trajectory is None or plan.catch_body is None:
             reason = plan.status

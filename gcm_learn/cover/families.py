@@ -3,25 +3,18 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from gcm_learn.arms import Arm, SpatialArm
-from gcm_learn.errors import FamilyError, UnknownNameError
+from gcm_learn.errors import FamilyError
 from gcm_learn.situation import (
     AnySituation,
     Body,
-    Box,
-    Capsule,
-    Disc,
     PlanarQuadratic,
-    Situation,
     SolidQuadratic,
-    Sphere,
     situation_to_json,
 )
 from gcm_learn.storage import content_hash
@@ -172,99 +165,3 @@ def _alike(body: Body, other: Body) -> bool:
     if isinstance(mine, SolidQuadratic) and isinstance(its, SolidQuadratic):
         return mine.orientation == its.orientation and mine.spin == its.spin
     return False
-
-
-def _in_plane(x: float, y: float, vx: float = 0.0) -> PlanarQuadratic:
-    return PlanarQuadratic((x, y), (vx, 0.0), (0.0, 0.0))
-
-
-def belt() -> ParametricFamily:
-    """A part on a belt in the plane, behind posts and a carrier that comes the other way."""
-    goods = ("part", "good 1", "good 2")
-    bodies = (
-        Body("target", "part", Disc(0.06), _in_plane(-0.7, 1.2, 0.6)),
-        Body("obstacle", "good 1", Disc(0.1), _in_plane(-1.35, 1.2, 0.6)),
-        Body("obstacle", "good 2", Disc(0.1), _in_plane(-0.05, 1.2, 0.6)),
-        Body("obstacle", "carrier", Disc(0.1), _in_plane(0.9, 0.85, -0.6)),
-        Body("obstacle", "post 1", Disc(0.06), _in_plane(-0.75, 0.75)),
-        Body("obstacle", "post 2", Disc(0.06), _in_plane(1.3, 0.8)),
-    )
-    arm = Arm((1.1, 0.1), 3.0, thickness=0.05, grasp=0.05)
-    return ParametricFamily(
-        "belt",
-        "a part on a belt in the plane, behind posts and a moving carrier",
-        Situation("belt", 1.6, arm, bodies),
-        (
-            Parameter("along", -0.4, 0.4, "forearms", (("part", "position", (1.0, 0.0)),)),
-            Parameter("across", -0.15, 0.15, "forearms", (("part", "position", (0.0, 1.0)),)),
-            Parameter(
-                "pace",
-                -0.3,
-                0.3,
-                "forearms/s",
-                tuple((name, "velocity", (1.0, 0.0)) for name in goods),
-            ),
-            Parameter("phase", -0.3, 0.3, "forearms", (("carrier", "position", (1.0, 0.0)),)),
-            Parameter("speed", -0.3, 0.3, "forearms/s", (("carrier", "velocity", (1.0, 0.0)),)),
-        ),
-    )
-
-
-def _in_space(x: float, y: float, z: float, vy: float = 0.0) -> SolidQuadratic:
-    return SolidQuadratic((x, y, z), (0.0, vy, 0.0), (0.0, 0.0, 0.0))
-
-
-def belt_in_space() -> ParametricFamily:
-    """A part on a belt before a spatial arm, behind posts and a carrier over the belt."""
-    goods = ("part", "good 1", "good 2")
-    bodies = (
-        Body("target", "part", Sphere(0.08), _in_space(1.2, -0.9, -0.4, 0.6)),
-        Body("obstacle", "belt", Box((0.25, 2.0, 0.03)), _in_space(1.2, 0.0, -0.62)),
-        Body("obstacle", "good 1", Box((0.1, 0.1, 0.1)), _in_space(1.2, -1.55, -0.45, 0.6)),
-        Body("obstacle", "good 2", Box((0.1, 0.1, 0.1)), _in_space(1.2, -0.25, -0.45, 0.6)),
-        Body("obstacle", "carrier", Sphere(0.15), _in_space(1.0, 0.5, -0.05, -0.6)),
-        Body("obstacle", "post 1", Capsule(0.05, 0.3), _in_space(0.75, -0.75, -0.5)),
-        Body("obstacle", "post 2", Capsule(0.05, 0.3), _in_space(0.75, 0.75, -0.5)),
-    )
-    arm = SpatialArm(
-        upper_arm=(1.0, 0.0, 0.0),
-        forearm=(1.0, 0.0, 0.0),
-        joints=(-0.3, 1.0, 0.0, -1.4),
-        joint_range=((-2.8, 2.8), (-2.2, 2.2), (-2.4, 2.4), (-2.6, 0.0)),
-        max_joint_speed=(1.5, 1.5, 2.0, 2.0),
-        grasp=0.1,
-        thickness=0.08,
-    )
-    return ParametricFamily(
-        "belt-space",
-        "a part on a belt before a spatial arm, behind posts and a moving carrier",
-        Situation("belt-space", 1.6, arm, bodies),
-        (
-            Parameter("along", -0.4, 0.4, "lengths", (("part", "position", (0.0, 1.0, 0.0)),)),
-            Parameter("across", -0.15, 0.15, "lengths", (("part", "position", (1.0, 0.0, 0.0)),)),
-            Parameter(
-                "pace",
-                -0.3,
-                0.3,
-                "lengths/s",
-                tuple((name, "velocity", (0.0, 1.0, 0.0)) for name in goods),
-            ),
-            Parameter("phase", -0.3, 0.3, "lengths", (("carrier", "position", (0.0, 1.0, 0.0)),)),
-            Parameter("speed", -0.3, 0.3, "lengths/s", (("carrier", "velocity", (0.0, 1.0, 0.0)),)),
-        ),
-    )
-
-
-FAMILIES: dict[str, Callable[[], ParametricFamily]] = {"belt": belt, "belt-space": belt_in_space}
-
-
-def parametric_family(name: str) -> ParametricFamily:
-    """Return a family by name.
-
-    Raises
-    ------
-    UnknownNameError
-    """
-    if name not in FAMILIES:
-        raise UnknownNameError.among("family", name, FAMILIES)
-    return FAMILIES[name]()

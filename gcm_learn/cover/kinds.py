@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from gcm_learn.arms import PLANAR, SIDE, ByKind
+from gcm_learn.arms import CHAIN, PLANAR, SIDE, ByKind
 from gcm_learn.cover.limits import (
     CATCH_SAFETY,
     LARGEST_TURN,
@@ -28,8 +28,6 @@ TURN = 0.04
 """Largest turn of both joints between two samples of a planar arm's stored movement [rad]."""
 DAMPING = 0.02
 """Of the inverse of the hand's derivative, as a share of the longest lever."""
-GRASP = 0.4
-"""Share of the grasp within which movements in the joints are planned; the rest is for the rule."""
 HELD_BACK = 0.9
 """Share of the safety of catches that a proof keeps; verification asks for half of it."""
 
@@ -58,8 +56,8 @@ class Bundle(NamedTuple):
 class Bending(NamedTuple):
     """Functions of a kind of arm."""
 
-    prepared: Callable[[AnySituation, float, float], AnySituation]
-    """Situation to plan in: a share of all speeds is used, and so much more clearance is kept."""
+    grasp: float
+    """Share of the grasp within which is planned; the rest is for what the rule leaves."""
     way: Callable[[Movement], tuple[np.ndarray, np.ndarray]]
     """Times (n,) and places (n, m) of a movement."""
     inverse: Callable[[Scene, np.ndarray], np.ndarray]
@@ -74,28 +72,49 @@ class Bending(NamedTuple):
     """Movement of an arm from times (n,) and places (n, m)."""
 
 
-def _held_speeds(arm: Any, share: float) -> dict[str, Any]:
-    """Return the limits of speed of an arm that uses a share of them."""
+def _held_back(arm: Any, share: float, margin: float) -> Any:
+    """Return an arm that uses a share of its speeds, and is thicker by a margin."""
     hand, joints = arm.max_hand_speed, arm.max_joint_speed
-    return {
-        "max_hand_speed": None if hand is None else share * hand,
-        "max_joint_speed": None if joints is None else tuple(share * top for top in joints),
-    }
+    return replace(
+        arm,
+        max_hand_speed=None if hand is None else share * hand,
+        max_joint_speed=None if joints is None else tuple(share * top for top in joints),
+        thickness=arm.thickness + margin,
+    )
 
 
-def _prepared_hand(situation: AnySituation, share: float, margin: float) -> AnySituation:
+def _chain_held_back(arm: Any, share: float, margin: float) -> Any:
+    """Return a chain that is slower and whose links are thicker.
+
+    Pairs of links are left to the proof: thicker ones would touch each other at the start.
+    """
+    hand, model = arm.max_hand_speed, arm.model
+    joints = tuple(replace(joint, max_speed=share * joint.max_speed) for joint in model.joints)
+    links = tuple(replace(link, radius=link.radius + margin) for link in model.links)
+    held = replace(model, joints=joints, links=links, self_collision=())
+    speed = None if hand is None else share * hand
+    return replace(arm, model=held, max_hand_speed=speed)
+
+
+_HELD_BACK: ByKind[Callable[[Any, float, float], Any]] = ByKind(
+    {CHAIN: _chain_held_back}, default=_held_back
+)
+
+
+def prepared(situation: AnySituation, share: float, margin: float) -> AnySituation:
+    """Return the situation to plan in: with a slower and thicker arm, and a smaller grasp.
+
+    Raises
+    ------
+    FamilyError
+        If accelerations are limited.
+    """
     arm: Any = situation.arm
-    changes = {**_held_speeds(arm, share), "thickness": arm.thickness + margin}
-    return replace(situation, arm=replace(arm, **changes))
-
-
-def _prepared_joints(situation: AnySituation, share: float, margin: float) -> AnySituation:
-    """Return the situation with a slower and thicker arm, whose hand goes deeper into targets."""
-    arm: Any = situation.arm
-    if arm.max_joint_acceleration is not None:
-        raise FamilyError("middle.arm.max_joint_acceleration", "covers take no limits of it yet")
-    changes = {**_held_speeds(arm, share), "thickness": arm.thickness + margin}
-    return replace(situation, arm=replace(arm, **changes, grasp=GRASP * arm.grasp))
+    if getattr(arm, "max_joint_acceleration", None) is not None:
+        raise FamilyError("arm.max_joint_acceleration", "cannot be kept by covers")
+    held = _HELD_BACK.of(situation)(arm, share, margin)
+    held = replace(held, grasp=BENDING.of(situation).grasp * arm.grasp)
+    return replace(situation, arm=held)
 
 
 def _hand_way(movement: Movement) -> tuple[np.ndarray, np.ndarray]:
@@ -173,7 +192,7 @@ def _joint_inverse(scene: Scene, q: np.ndarray) -> np.ndarray:
 BENDING: ByKind[Bending] = ByKind(
     {
         PLANAR: Bending(
-            _prepared_hand,
+            1.0,
             _hand_way,
             lambda scene, hand: np.eye(2, 3),
             _hand_fault,
@@ -182,7 +201,7 @@ BENDING: ByKind[Bending] = ByKind(
         )
     },
     default=Bending(
-        _prepared_joints,
+        0.4,
         lambda movement: (movement.time, movement.joints),
         _joint_inverse,
         _joint_fault,

@@ -54,16 +54,24 @@ def _room_of_hand(limb, scene, b, t, off, touch, work):
 
 
 @njit(_nrt=False)
-def _room_of_joints(limb, scene, b, t, off, touch, work):
-    """Bound the distance of a limb that moves in its joints from below; see `room_of`.
+def _write_deviations(work):
+    """Write a move whose joints turn within the bounds of deviations, in no known direction.
 
-    The straight move from one corner of the deviations to the opposite one turns every joint by its
-    bound on either side of the middle.
+    `swept` takes the smaller of two bounds. One of them uses the joints' rates in the middle, which
+    hold for one direction only.  A move with no rate there, but with as much bend as turns a joint
+    by its bound within half the move, leaves the bound that uses turns alone.
     """
     for j in range(work.middle.size):
-        work.curve[j, 0] = work.middle[j] - work.away[j]
-        work.curve[j, 1], work.curve[j, 2], work.curve[j, 3] = 2.0 * work.away[j], 0.0, 0.0
+        bend = 2.0 * work.away[j]
+        work.curve[j, 0], work.curve[j, 1] = work.middle[j] + 0.5 * work.away[j], -bend
+        work.curve[j, 2], work.curve[j, 3] = bend, 0.0
+
+
+@njit(_nrt=False)
+def _room_of_joints(limb, scene, b, t, off, touch, work):
+    """Bound the distance of a limb that moves in its joints from below; see `room_of`."""
     where = place(limb, work.middle)
+    _write_deviations(work)
     slack = swept(limb, work.curve, 0.5, 0.5, where)
     return gap_to(limb, where, slack, scene.bodies, b, t, off, touch, work.poses)[1]
 
@@ -77,10 +85,8 @@ def _no_room(limb, touch, work):
 @njit(_nrt=False)
 def _room_of_itself(limb, touch, work):
     """Bound the least distance of links that must not overlap from below."""
-    for j in range(work.middle.size):
-        work.curve[j, 0] = work.middle[j] - work.away[j]
-        work.curve[j, 1], work.curve[j, 2], work.curve[j, 3] = 2.0 * work.away[j], 0.0, 0.0
     where = place(limb, work.middle)
+    _write_deviations(work)
     return self_gap(limb, where, swept(limb, work.curve, 0.5, 0.5, where), touch)[1]
 
 
