@@ -133,7 +133,7 @@ def _check_deadline(deadline: float, planner: Planner) -> None:
     if not 0.0 <= deadline < 1e9:
         raise CommandFailure(f"--deadline {deadline:g}: must be from 0 on")
     if not getattr(planner, "anytime", False):
-        raise CommandFailure(f"--deadline: planner {planner.name!r} cannot be told when to answer")
+        raise CommandFailure(f"--deadline: planner {planner.name!r} takes no deadline")
 
 
 def _solve_all(

@@ -22,7 +22,7 @@ WIDER = 1e-9
 BEGINS = (0.0, 0.5)
 """Shares of a movement at which its deviation begins; both are tried."""
 LADDER = ((0.75, 0.2), (0.8, 0.1), (0.85, 0.05), (0.9, 0.025), (0.95, 0.008))
-"""Shares of speeds, and clearances beyond those of plans [forearms]; the first plan counts."""
+"""Shares of speeds and further clearances [forearms] with which is planned, until one is found."""
 
 
 @dataclass(frozen=True)
@@ -121,7 +121,7 @@ def planned(family: ParametricFamily, theta: np.ndarray) -> tuple[list[StoredCat
     catches : list of StoredCatch
         The movement, with a ramp from each of `BEGINS`.
     reason : str
-        Why there is none.
+        Reason for an empty list.
     """
     situation = family.situation(theta)
     scene = pack(situation)

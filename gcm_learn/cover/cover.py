@@ -20,7 +20,7 @@ from gcm_learn.storage import content_hash, whole_file, write_whole
 FORMAT = "gcm-learn/cover@1"
 MANIFEST = "cover.json"
 OPEN, CLOSED = -1, -2
-"""In place of a stored catch: not examined, and not covered."""
+"""In place of a stored catch: still to be examined, and given up."""
 _PER_CATCH = ("anchor", "gain", "body")
 _PER_SAMPLE = ("time", "way", "ramp")
 
@@ -175,7 +175,7 @@ def load_cover(folder: Path) -> Cover:
     Raises
     ------
     CoverError
-        If there is none, it is damaged, or its family has changed since.
+        If the folder lacks it, it is damaged, or its family has changed since.
     """
     path = folder / MANIFEST
     try:

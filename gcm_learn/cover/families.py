@@ -40,7 +40,7 @@ class Parameter:
 class ParametricFamily:
     """Situations that differ in a few numbers, on which motions of bodies depend linearly.
 
-    Shapes, orientations, the arm and the horizon are those of `middle`.
+    Shapes, orientations, the arm and the horizon are as in `middle`.
     """
 
     name: str
@@ -115,7 +115,7 @@ class ParametricFamily:
         return self.slopes[None, :, :, 0] + t * self.slopes[None, :, :, 1]
 
     def parameters_of(self, situation: AnySituation) -> np.ndarray | None:
-        """Return the parameters (K,) of a situation; None if the family has no such situation."""
+        """Return the parameters (K,) of a situation; None if it is of another family."""
         middle, bodies = self.middle, situation.bodies
         if situation.arm != middle.arm or abs(situation.horizon - middle.horizon) > SAME:
             return None

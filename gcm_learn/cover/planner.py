@@ -23,7 +23,7 @@ NAME = "covered"
 
 
 class ProvenPlan(Plan):
-    """Plan of a proven cell; its clearance is measured when it is first asked for."""
+    """Plan of a proven cell; its clearance is measured at the first use."""
 
     @classmethod
     def of(cls, situation: AnySituation, body: int, **known: Any) -> ProvenPlan:

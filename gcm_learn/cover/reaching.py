@@ -1,7 +1,7 @@
 """Clearance of a whole family of movements, proven for every instant.
 
-The joints, or a planar arm's hand, may be off a given way by bounds that grow along it, and bodies
-may be off their places by bounds of their own. The limb and every obstacle are asked in the middle
+Places are the joints, or the hand of a planar arm. They may be off a given way by bounds that grow
+along it. Bodies may be off their places, too. The limb and every obstacle are asked in the middle
 of a span of time. Bounds of all deviations and of all motion say whether the answer holds for the
 span and for the whole family. If not, a shorter span is asked.
 """
@@ -55,11 +55,11 @@ def _room_of_hand(limb, scene, b, t, off, touch, work):
 
 @njit(_nrt=False)
 def _write_deviations(work):
-    """Write a move whose joints turn within the bounds of deviations, in no known direction.
+    """Write a move whose joints turn by the bounds of their deviations.
 
     `swept` takes the smaller of two bounds. One of them uses the joints' rates in the middle, which
-    hold for one direction only.  A move with no rate there, but with as much bend as turns a joint
-    by its bound within half the move, leaves the bound that uses turns alone.
+    hold for a single direction.  Deviations may have any direction.  So this move rests in the
+    middle, and bends as much as turns each joint by its bound within half the move.
     """
     for j in range(work.middle.size):
         bend = 2.0 * work.away[j]

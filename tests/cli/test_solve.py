@@ -241,7 +241,7 @@ def test_a_deadline_is_told_to_planners_that_can_keep_it(scene_file, scene, caps
         answers.append([s["status"] for s in read_lines(capsys.readouterr().out)])
     assert answers[0] == answers[1] and set(answers[2]) <= {"caught", "unreachable"}
     for options, said in (
-        (["--planner", "straight", "--deadline", "5"], "planner 'straight' cannot be told when"),
+        (["--planner", "straight", "--deadline", "5"], "planner 'straight' takes no deadline"),
         (["--planner", "layered", "--deadline", "-1"], "--deadline -1: must be from 0 on"),
     ):
         assert main(["solve", path, *options]) == 2
