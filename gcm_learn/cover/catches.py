@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from gcm_learn.cover.families import ParametricFamily
-from gcm_learn.cover.kinds import BENDING, Bundle, in_arm, prepared, slope_at
+from gcm_learn.cover.kinds import BENDING, Bundle, in_arm, prepared
 from gcm_learn.cover.limits import SAFETY
 from gcm_learn.cover.reaching import ITSELF, NOWHERE, first_touch
 from gcm_learn.motion import Movement
@@ -95,7 +95,7 @@ def doubt_of(
     if fault:
         return Doubt(fault, own)
     drifts = in_arm(family.middle, family.drifts(catch.time))
-    left = drifts[-1, :, catch.body].T - slope_at(scene, bundle.way[-1]) @ catch.gain
+    left = drifts[-1, :, catch.body].T - bending.slope(scene, bundle.way[-1]) @ catch.gain
     if bending.over(scene, bundle, left, half) > 0.0:
         return Doubt("grasp", own)
     # Each coordinate of a body's place is linear in t and theta, so its bound is convex in t.

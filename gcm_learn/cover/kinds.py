@@ -60,6 +60,8 @@ class Bending(NamedTuple):
     """Share of the grasp within which is planned; the rest is for what the rule leaves."""
     way: Callable[[Movement], tuple[np.ndarray, np.ndarray]]
     """Times (n,) and places (n, m) of a movement."""
+    slope: Callable[[Scene, np.ndarray], np.ndarray]
+    """Derivative (3, m) of the hand by a place (m,), in the arm's coordinates."""
     inverse: Callable[[Scene, np.ndarray], np.ndarray]
     """Change (m, 3) of the last place (m,) for a way of the hand, in the arm's coordinates."""
     fault: Callable[[Scene, Bundle], str]
@@ -194,6 +196,7 @@ BENDING: ByKind[Bending] = ByKind(
         PLANAR: Bending(
             1.0,
             _hand_way,
+            lambda scene, hand: np.eye(3, 2),
             lambda scene, hand: np.eye(2, 3),
             _hand_fault,
             _hand_over,
@@ -203,22 +206,12 @@ BENDING: ByKind[Bending] = ByKind(
     default=Bending(
         0.4,
         lambda movement: (movement.time, movement.joints),
+        lambda scene, q: derivative(scene.limb, q)[0],
         _joint_inverse,
         _joint_fault,
         _joints_over,
         Movement,
     ),
-)
-
-
-def slope_at(scene: Scene, place: np.ndarray) -> np.ndarray:
-    """Return the derivative (3, m) of the hand by a place (m,), in the arm's coordinates."""
-    return SLOPES.of(scene)(scene, place)
-
-
-SLOPES: ByKind[Callable[[Scene, np.ndarray], np.ndarray]] = ByKind(
-    {PLANAR: lambda scene, hand: np.eye(3, 2)},
-    default=lambda scene, q: derivative(scene.limb, q)[0],
 )
 
 

@@ -59,13 +59,13 @@ def test_every_point_is_found_in_the_cell_that_holds_it(cover):
 
 @pytest.mark.parametrize("name", FAMILIES)
 def test_interrupted_growth_goes_on_as_if_it_had_not_been(name, tmp_path):
-    family = parametric_family(name).free(3)
-    whole, parts = grown(Cover(family), 300), Cover(family)
-    for cells in (10, 90, 300):
+    family = parametric_family(name).free(2)
+    whole, parts = grown(Cover(family), 40), Cover(family)
+    for cells in (5, 20, 40):
         grown(parts, cells).save(tmp_path)
         parts = load_cover(tmp_path)
     assert told(parts) == told(whole)
-    assert whole.used or name != "belt"
+    assert whole.used
 
 
 def test_saved_covers_come_back(cover, tmp_path):
