@@ -48,7 +48,7 @@ class StoredCatch:
 
     def places(self, theta: np.ndarray) -> np.ndarray:
         """Places (n, m) for parameters theta (K,)."""
-        bent: np.ndarray = self.way + np.outer(self.ramp, self.gain @ (theta - self.anchor))
+        bent: np.ndarray = self.way + self.ramp[:, None] * (self.gain @ (theta - self.anchor))
         return bent
 
     def movement(self, family: ParametricFamily, theta: np.ndarray) -> Movement:

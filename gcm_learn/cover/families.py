@@ -121,7 +121,7 @@ class ParametricFamily:
             return None
         if situation.catch != middle.catch or situation.plane != middle.plane:
             return None
-        if len(bodies) != len(middle.bodies) or not all(map(_alike, bodies, middle.bodies)):
+        if [_unchanged(body) for body in bodies] != self._kept:
             return None
         given = (law_numbers(situation) - self.numbers).reshape(-1)
         change = self._inverse @ given
@@ -129,6 +129,10 @@ class ParametricFamily:
             return None
         theta: np.ndarray = self.centre + change
         return theta
+
+    @cached_property
+    def _kept(self) -> list[Any]:
+        return [_unchanged(body) for body in self.middle.bodies]
 
     @cached_property
     def _flat(self) -> np.ndarray:
@@ -153,15 +157,12 @@ def _law_of(rows: list[list[float]]) -> dict[str, Any]:
     return {name: tuple(row) for name, row in zip(_LAW, rows, strict=True)}
 
 
-def _alike(body: Body, other: Body) -> bool:
-    """Return whether two bodies differ at most in what parameters change."""
-    if body.role != other.role or body.shape != other.shape or body.approach != other.approach:
-        return False
-    mine, its = body.motion, other.motion
-    if type(mine) is not type(its):
-        return False
-    if isinstance(mine, PlanarQuadratic) and isinstance(its, PlanarQuadratic):
-        return mine.angle == its.angle and mine.spin == its.spin
-    if isinstance(mine, SolidQuadratic) and isinstance(its, SolidQuadratic):
-        return mine.orientation == its.orientation and mine.spin == its.spin
-    return False
+def _unchanged(body: Body) -> tuple[Any, ...]:
+    """Return all of a body that parameters do not change, but for its name."""
+    motion = body.motion
+    turns: tuple[Any, ...] = ()
+    if isinstance(motion, PlanarQuadratic):
+        turns = (motion.angle, motion.spin)
+    elif isinstance(motion, SolidQuadratic):
+        turns = (motion.orientation, motion.spin)
+    return body.role, body.shape, body.approach, type(motion), turns
