@@ -39,10 +39,10 @@ from gcm_learn.storage import write_whole
 HERE = Path(__file__).resolve().parent
 OUT = HERE / "out"
 RESULTS = HERE / "results.json"
-SHARE = 0.95
+SHARE = 0.95  # of the hypothesis
 SEEDS = {"check": 1, "judge": 2, "time": 3}
 CHECKED = 3  # free parameters of the covers that are checked: those of the hypothesis
-PROGRESS = 100_000  # draws between two lines
+PART = 20_000  # draws that are noted at once
 
 
 def results() -> dict[str, Any]:
@@ -87,16 +87,14 @@ def thinned(curve: list[Any], most: int = 200) -> list[Any]:
 
 
 def checked(family: str, count: int) -> None:
-    """Verify draws from proven cells."""
-    cover, since, done = load_cover(folder_of(family, CHECKED)), perf_counter(), [0]
-
-    def advance() -> None:
-        done[0] += 1
-        if done[0] % PROGRESS == 0:
-            print(family, done[0], f"{perf_counter() - since:.0f} s", flush=True)
-
-    broken, drawn = broken_of(cover, count, SEEDS["check"], advance)
-    note("verified", family, {"draws": drawn, "broken": broken})
+    """Verify draws from proven cells, in parts that are noted one by one; go on after the last."""
+    cover = load_cover(folder_of(family, CHECKED))
+    row = results().get("verified", {}).get(family, {"draws": 0, "broken": 0})
+    while row["draws"] < count:
+        part = min(PART, count - row["draws"])
+        broken, drawn = broken_of(cover, part, SEEDS["check"], first=row["draws"])
+        row = {"draws": row["draws"] + drawn, "broken": row["broken"] + broken}
+        note("verified", family, row)
 
 
 def refereed(family: str, count: int) -> None:
