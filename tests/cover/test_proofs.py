@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from experiments.common.judging import Referee, complaints_in_space, complaints_of_chains
+from experiments.common.judging import complaints
 from gcm_learn.arms import forward, joint_angles
 from gcm_learn.cover import Cover, CoveredPlanner, StoredCatch, doubt_of, draws, planned
 from gcm_learn.cover.limits import elbow_rates
@@ -48,15 +48,8 @@ def test_corners_of_proven_cells_keep_every_promise(cover):
             assert holds(cover.family, catch, theta)
 
 
-JUDGES = {
-    "belt": Referee().broken,
-    "belt-space": complaints_in_space,
-    "belt-chain": complaints_of_chains,
-}
-
-
 def test_the_referee_finds_nothing(cover):
-    planner, complaints = CoveredPlanner((cover,)), JUDGES[cover.family.name]
+    planner = CoveredPlanner((cover,))
     for theta, _ in draws(cover, 6, 6):
         situation = cover.family.situation(theta)
         plan = planner.plan(situation)
