@@ -15,6 +15,7 @@ from suites import Question
 
 from experiments.common.judging import complaints
 from gcm_learn.arms import CHAIN
+from gcm_learn.errors import ArmKindError
 from gcm_learn.evaluation.kinds import resting
 from gcm_learn.planners import Plan, STRRTStarPlanner, get_planner, takes
 from gcm_learn.scene import later, pack
@@ -141,7 +142,11 @@ def rows_of(question: Question, asked: dict[str, Method]) -> Iterator[dict[str, 
                 for label in _labels(name):
                     yield about | {"method": label, "caught": fate == "caught", "fate": fate}
                 continue
-            for label, answer in method(question, situation, charge, ours).items():
+            try:
+                answers = method(question, situation, charge, ours)
+            except ArmKindError:  # a memory holds catches of arms with other joints
+                continue
+            for label, answer in answers.items():
                 if label == OURS and charge == 0.0:
                     ours = answer.ms
                 yield about | {"method": label} | _row(answer, situation, charge, judged)

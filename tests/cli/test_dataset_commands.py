@@ -44,9 +44,10 @@ def test_inspect_tells_what_the_manifest_says(folder, capsys):
     [
         ({}, "seed 3, map marching 40 x 40, rungs 2"),
         ({"map": "none"}, "seed 3, no maps, lattices 40 x 40, rungs 2"),
-        (
+        pytest.param(
             {"map": "none", "families": (dataset.FamilyShare("late-target-space"),)},
             "seed 3, spatial arms, no maps",
+            marks=pytest.mark.slow,
         ),
     ],
 )

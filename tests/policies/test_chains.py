@@ -55,6 +55,7 @@ def test_policies_and_planners_are_compared(situations):
         assert "caught" in outcomes and not outcomes & {"error", "broken"}
 
 
+@pytest.mark.slow
 def test_suites_of_chains_are_drawn(tmp_path):
     """Strata are judged by planners that take chains; a policy answers every situation."""
     entries = draw_suite("throw-chain", 4, tmp_path, 1)
