@@ -3,6 +3,7 @@
     python -m experiments benchmarks/promise plane --catches 50000
     python -m experiments benchmarks/promise space --catches 10000 --planner layered straight
     python -m experiments benchmarks/promise space --acceleration --out accelerated.json
+    python -m experiments benchmarks/promise chains --catches 10000 --planner search
     python -m experiments benchmarks/promise space --file tests/spatial.jsonl
     python -m experiments benchmarks/promise plane --again gate 1234 --planner layered
 
@@ -38,6 +39,8 @@ ROOT = Path(__file__).resolve().parents[2]
 OUT = Path(__file__).parent / "out"
 EVERY = 10.0  # what is found is written down this often [s]
 BARREN = 500  # items in a row without a claim, after which there is nothing to be judged
+KINDS = {"plane": "planar", "space": "spatial", "chains": "chain"}
+"""Kinds of arms by the words of the command line."""
 SHIFT = 0.1  # of bodies and joints of a file's situations [arm's reach, rad]
 
 
@@ -61,12 +64,6 @@ class Account:
     """Of the code that was asked."""
 
 
-def names_of(arm: str) -> list[str]:
-    """Families whose arm is of a kind, `plane` or `space`."""
-    wanted = arm == "space"
-    return [n for n in families.family_names() if families.draw(n, 0, 0).is_spatial == wanted]
-
-
 def nearby(situation: Situation[SpatialArm], seed: int, index: int) -> Situation[SpatialArm]:
     """A situation whose bodies and joints are a little elsewhere."""
     r, arm = rng(seed, index), situation.arm
@@ -83,19 +80,19 @@ def nearby(situation: Situation[SpatialArm], seed: int, index: int) -> Situation
     return replace(situation, arm=replace(arm, joints=tuple(joints)), bodies=tuple(bodies))
 
 
-def forced(situation: Situation[SpatialArm], seed: int, index: int) -> Situation[SpatialArm]:
+def forced(situation: Situation[Any], seed: int, index: int) -> Situation[Any]:
     """A situation whose joints need a while to their top speeds, and move already, or do not."""
     r, arm = rng(seed, index, 1), situation.arm
     speeds = np.array(arm.max_joint_speed)
     limits = tuple(speeds / r.uniform(0.05, 0.3))
-    rates = tuple(0.5 * speeds * r.uniform(-1.0, 1.0, 4)) if r.random() < 0.5 else None
+    rates = tuple(0.5 * speeds * r.uniform(-1.0, 1.0, len(speeds))) if r.random() < 0.5 else None
     return replace(situation, arm=replace(arm, max_joint_acceleration=limits, joint_rates=rates))
 
 
 def source_of(args: argparse.Namespace) -> tuple[list[str], Callable[[str, int], AnySituation]]:
     """Names of what is drawn from, and what draws an item of it."""
     if args.file is None:
-        names = args.family or names_of(args.arm)
+        names = args.family or families.family_names(KINDS[args.arm])
         if args.acceleration:
             return names, lambda name, index: forced(
                 families.draw(name, args.seed, index), args.seed, index
@@ -185,12 +182,12 @@ def arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawTextHelpFormatter
     )
-    parser.add_argument("arm", choices=["plane", "space"])
+    parser.add_argument("arm", choices=list(KINDS))
     parser.add_argument("--catches", type=int, default=1000, help="claims to be judged")
     parser.add_argument("--planner", nargs="+", default=["layered"])
     parser.add_argument("--family", nargs="+", help="default: all of the arm's kind")
     parser.add_argument("--file", type=Path, help="situations in space, drawn from instead")
-    parser.add_argument("--acceleration", action="store_true", help="limit it, in space")
+    parser.add_argument("--acceleration", action="store_true", help="limit it, but in the plane")
     parser.add_argument("--seed", type=int, default=14)
     parser.add_argument("--out", type=Path, help="default: out/promise-ARM.json beside this file")
     parser.add_argument("--again", nargs=2, metavar=("FAMILY", "INDEX"), help="only this item")
