@@ -20,8 +20,9 @@ SHIPPED = (
     ),
     "models/bodies",
     "data/suites/demo.jsonl",
+    "data/benchmark",
 )
-NEEDED = {".json", ".jsonl", ".md", ".npy", ".npz", ".safetensors"}
+NEEDED = {".gz", ".json", ".jsonl", ".md", ".npy", ".npz", ".safetensors"}
 """Suffixes of files that are shipped."""
 TRAINING = {"state.json", "normalisation.npz", "buffer.npz"}
 """Names of files with which training goes on; they are not shipped."""

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from gcm_learn import artifacts, compiled
+from gcm_learn.benchmark import SUITES
 from gcm_learn.evaluation.suites import FROZEN
 
 ROOT = Path(__file__).parents[1]
@@ -54,6 +55,7 @@ def test_it_is_small_and_has_what_is_asked_for_by_name(wheel):
     wanted.add(Path("models/ppo-space/actor3d.npz"))
     wanted |= {Path("models/recall/manifest.json"), Path("models/encoder/encoder.safetensors")}
     wanted |= {Path("models", f"recall-{name}", "manifest.json") for name in ("space", "panda")}
+    wanted |= {Path("data", suite.file) for suite in SUITES.values()}
     assert wanted | {Path("data/suites/demo.jsonl")} <= carried
     assert all((ROOT / path).is_file() for path in carried)
     assert "gcm_learn/play/pages/index.html" in names

@@ -14,6 +14,7 @@ import tyro
 from gcm_learn import __version__
 from gcm_learn.cli.animate import Animate
 from gcm_learn.cli.arm import Arm, Arms
+from gcm_learn.cli.benchmark import Benchmark
 from gcm_learn.cli.convert import Convert
 from gcm_learn.cli.cover import Cover
 from gcm_learn.cli.demo import Demo
@@ -26,6 +27,7 @@ from gcm_learn.cli.figure import Figure
 from gcm_learn.cli.gallery import Gallery
 from gcm_learn.cli.generate import Generate
 from gcm_learn.cli.inspect import Inspect
+from gcm_learn.cli.leaderboard import Leaderboard
 from gcm_learn.cli.play import Play
 from gcm_learn.cli.remember import Remember
 from gcm_learn.cli.solve import Solve
@@ -60,6 +62,8 @@ examples:
   gcm-learn train-policy clone.yml --out models/clone  a policy that learns in the arena
   gcm-learn train-encoder data/mine --out models/encoder   what recall asks it with
   gcm-learn evaluate --policies layered,straight,clone all on the same situations, with a report
+  gcm-learn benchmark mine.py:Mine --out mine.json     your method on frozen suites
+  gcm-learn leaderboard mine.json search.json          result files side by side, as a page
   gcm-learn warm-up                                    compile everything now, not at the first use
 
 gcm-learn COMMAND --help explains a command, gcm-learn --version says which version this is."""
@@ -92,6 +96,8 @@ COMMANDS: dict[str, Callable[..., Command]] = {
     "train-policy": TrainPolicy,
     "train-encoder": TrainEncoder,
     "evaluate": Evaluate,
+    "benchmark": Benchmark,
+    "leaderboard": Leaderboard,
     "warm-up": WarmUp,
 }
 

@@ -31,6 +31,7 @@ from gcm_learn.plots.reports.comparison import (
 from gcm_learn.plots.reports.dataset import write_dataset_page
 from gcm_learn.plots.reports.demo import build_demo
 from gcm_learn.plots.reports.film_page import write_film_page
+from gcm_learn.plots.reports.leaderboard import write_leaderboard
 from gcm_learn.plots.reports.memory import write_memory_page, write_shipped_page
 
 __all__ = [
@@ -59,6 +60,7 @@ __all__ = [
     "style",
     "write_dataset_page",
     "write_film_page",
+    "write_leaderboard",
     "write_memory_page",
     "write_report",
     "write_shipped_page",

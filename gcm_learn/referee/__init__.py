@@ -10,7 +10,7 @@ Its geometry is its own, in plain numpy.  ``python -m gcm_learn.referee`` judges
 from gcm_learn.referee.bodies import Body, bodies_of
 from gcm_learn.referee.complaints import Complaint, Unreadable
 from gcm_learn.referee.contact import Motion, nearest_obstacle, overlap
-from gcm_learn.referee.files import judge_files
+from gcm_learn.referee.files import judge_files, models_of
 from gcm_learn.referee.judging import Verdict, examine, judge
 from gcm_learn.referee.kinds import Arm, arm_of
 
@@ -26,6 +26,7 @@ __all__ = [
     "examine",
     "judge",
     "judge_files",
+    "models_of",
     "nearest_obstacle",
     "overlap",
 ]

@@ -1,0 +1,98 @@
+"""Result files: a method's answers, so that others can judge them again."""
+
+from __future__ import annotations
+
+import gzip
+import json
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from gcm_learn.errors import FileFormatError
+from gcm_learn.storage import write_whole
+
+FORMAT = "gcm-learn/benchmark-result@1"
+PROTOCOL = 1
+"""Version of the protocol in docs/benchmark.md."""
+PACKED = ".gz"
+FIELDS: Mapping[str, type | tuple[type, ...]] = {
+    "method": str,
+    "protocol": int,
+    "package": str,
+    "machine": dict,
+    "calibration": dict,
+    "limit_s": (int, float),
+    "runs": list,
+}
+OF_RUN: Mapping[str, type | tuple[type, ...]] = {
+    "suite": str,
+    "version": int,
+    "sha256": str,
+    "answers": list,
+}
+OF_ANSWER: Mapping[str, type | tuple[type, ...]] = {
+    "name": str,
+    "ms": (int, float),
+    "nodes": int,
+    "fault": str,
+    "solution": dict,
+}
+
+
+def write_result(path: str | Path, result: Mapping[str, Any]) -> None:
+    """Write a result file whole; one whose name ends in .gz is packed."""
+    text = json.dumps(result, allow_nan=False, separators=(",", ":")) + "\n"
+    packed = str(path).endswith(PACKED)
+    write_whole(path, gzip.compress(text.encode(), mtime=0) if packed else text)
+
+
+def read_result(path: str | Path) -> dict[str, Any]:
+    """Read a result file.
+
+    Raises
+    ------
+    FileFormatError
+        One line: the file, the field and the reason.
+    """
+    try:
+        raw = Path(path).read_bytes()
+        text = gzip.decompress(raw) if str(path).endswith(PACKED) else raw
+        values = json.loads(text)
+    except (OSError, EOFError, ValueError, RecursionError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise FileFormatError(f"{path}: is no result file ({reason})") from None
+    if not isinstance(values, dict) or values.get("format") != FORMAT:
+        raise FileFormatError(f"{path}: format: is not {FORMAT!r}")
+    try:
+        _check(values)
+    except ValueError as error:
+        raise FileFormatError(f"{path}: {error}") from None
+    return values
+
+
+def _check(values: dict[str, Any]) -> None:
+    """Refuse a result with wrong fields, by a ValueError that names the field."""
+    _typed(values, FIELDS, "")
+    if values["protocol"] != PROTOCOL:
+        raise ValueError(f"protocol: must be {PROTOCOL} (got {values['protocol']})")
+    factor = values["calibration"].get("factor")
+    if not isinstance(factor, (int, float)) or not 0.0 < factor < math.inf:
+        raise ValueError(f"calibration.factor: must be a positive number (got {factor!r})")
+    for k, run in enumerate(values["runs"]):
+        _typed(run, OF_RUN, f"runs[{k}].")
+        for number, answer in enumerate(run["answers"]):
+            place = f"runs[{k}].answers[{number}]."
+            _typed(answer, OF_ANSWER, place)
+            if not 0.0 <= answer["ms"] < math.inf:
+                raise ValueError(f"{place}ms: must be from 0 on (got {answer['ms']})")
+
+
+def _typed(values: Any, fields: Mapping[str, type | tuple[type, ...]], place: str) -> None:
+    if not isinstance(values, dict):
+        raise ValueError(f"{place.rstrip('.')}: is no object")
+    for name, kind in fields.items():
+        if name not in values:
+            raise ValueError(f"{place}{name}: is missing")
+        if not isinstance(values[name], kind) or isinstance(values[name], bool):
+            raise ValueError(f"{place}{name}: is a {type(values[name]).__name__}")
