@@ -111,7 +111,7 @@ def _of_file(path: Path) -> Loaded:
     marked = [case for case in cases if case.item.stratum == WARM_UP]
     asked = tuple(case for case in cases if case.item.stratum != WARM_UP)
     if not asked:
-        raise FileFormatError(f"{path}: no situation but the warm-up")
+        raise FileFormatError(f"{path}: holds the warm-up only")
     return Loaded(path.name, 0, suite_hash(path.read_bytes()), [*marked, *asked][0], asked)
 
 

@@ -40,7 +40,7 @@ def passes(count: int = PASSES) -> list[float]:
 
 
 def factor_of(measured: Sequence[float]) -> float:
-    """Return the factor that turns processor times into those of the reference machine."""
+    """Return the factor by which processor times are multiplied."""
     return REFERENCE_MS / median(measured)
 
 

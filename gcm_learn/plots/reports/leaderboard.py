@@ -35,8 +35,8 @@ from gcm_learn.plots.reports.tables import percent
 WORDS = words("leaderboard")
 BUDGETS = tuple(f"in {budget:g} ms [%]" for budget in BUDGETS_MS)
 COLUMNS = (
-    "method", "caught [%]", *BUDGETS, "median [ms]", "catch time / first", "broken promises",
-    "errors", "nodes", "p to the best",
+    "method", "caught [%]", *BUDGETS, "median time [ms]", "catch time / earliest",
+    "broken promises", "errors", "nodes", "p to the first",
 )  # fmt: skip
 
 
@@ -69,9 +69,18 @@ def write_leaderboard(
     parts = [_section(suites[name], found[name]) for name in order]
     parts += [section(WORDS, "protocol"), section(WORDS, "machines", [_machines(results)])]
     answers = sum(one.answers for methods in found.values() for one in methods)
-    told = {"results": len(results), "suites": len(order), "answers": f"{answers:,}"}
+    told = {
+        "results": _several(len(results), "result file"),
+        "suites": _several(len(order), "suite"),
+        "answers": f"{answers:,}",
+    }
     lead = [text.format(**told) for text in WORDS["lead"]]
     out.write_text(render(WORDS["title"], lead, opening, (), parts), "utf-8")
+
+
+def _several(count: int, noun: str) -> str:
+    """Return a number and a noun."""
+    return f"{count} {noun}{'s' * (count != 1)}"
 
 
 def _suite(name: str, given: Sequence[Loaded]) -> Loaded:
