@@ -16,6 +16,7 @@ import os
 from collections.abc import Iterator
 from itertools import zip_longest
 from pathlib import Path
+from statistics import median
 from time import perf_counter, process_time
 from typing import Any
 
@@ -26,11 +27,11 @@ from suites import Question
 
 from experiments import recompute
 from experiments.common import outcomes
+from gcm_learn.benchmark import passes
 
 HERE = Path(__file__).resolve().parent
 SEED = 0x1542C6D1
 """First eight hexadecimal digits of the commit that froze code and draws."""
-WORK = 400  # side of the matrices by which machines are compared
 
 
 def questions(given: argparse.Namespace) -> Iterator[Question]:
@@ -48,16 +49,6 @@ def questions(given: argparse.Namespace) -> Iterator[Question]:
         yield from (one for one in turn if one is not None)
 
 
-def calibration() -> float:
-    """Return the processor time of ten products of matrices on this machine [ms]."""
-    rng = np.random.default_rng(0)
-    matrix = rng.random((WORK, WORK))
-    since = process_time()
-    for _ in range(10):
-        matrix = matrix @ matrix / WORK
-    return 1e3 * (process_time() - since)
-
-
 def answered(question: Question, asked: dict[str, Method]) -> list[dict[str, Any]]:
     """Return all answers to a question as rows."""
     return list(rows_of(question, asked))
@@ -72,7 +63,7 @@ def main() -> None:
     lines = file.read_text("utf-8").splitlines() if file.exists() else []
     known = {key: rows for key, rows in map(json.loads, lines)}
     asked, warm = methods(), True
-    print(f"{', '.join(asked)}; calibration {calibration():.0f} ms", flush=True)
+    print(f"{', '.join(asked)}; calibration {median(passes()):.0f} ms", flush=True)
     with file.open("a", encoding="utf-8") as stream:
         for question in questions(given):
             if question.key in known or perf_counter() - started > 60.0 * given.minutes:

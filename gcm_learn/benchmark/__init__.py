@@ -8,7 +8,7 @@
 from gcm_learn.benchmark.cases import Case, Item, Loaded, load_suite, suite_lines
 from gcm_learn.benchmark.judging import Judged, judged
 from gcm_learn.benchmark.machine import REFERENCE_MS, factor_of, machine, passes
-from gcm_learn.benchmark.results import FORMAT, PROTOCOL, read_result, write_result
+from gcm_learn.benchmark.results import FORMAT, PROTOCOL, our_results, read_result, write_result
 from gcm_learn.benchmark.running import run
 from gcm_learn.benchmark.standings import BUDGETS_MS, Standing, runs_by_suite, standings
 from gcm_learn.benchmark.suites import OUTSIDE, SUITES, Suite, suite_file, suite_hash, write_suite
@@ -30,6 +30,7 @@ __all__ = [
     "judged",
     "load_suite",
     "machine",
+    "our_results",
     "passes",
     "read_result",
     "run",

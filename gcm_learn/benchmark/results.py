@@ -5,17 +5,19 @@ from __future__ import annotations
 import gzip
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any
 
-from gcm_learn.errors import FileFormatError
+from gcm_learn import artifacts
+from gcm_learn.errors import FileFormatError, SuiteError
 from gcm_learn.storage import write_whole
 
 FORMAT = "gcm-learn/benchmark-result@1"
 PROTOCOL = 1
 """Version of the protocol in docs/benchmark.md."""
 PACKED = ".gz"
+OURS = "benchmark-results"  # folder among the data
 FIELDS: Mapping[str, type | tuple[type, ...]] = {
     "method": str,
     "protocol": int,
@@ -69,6 +71,23 @@ def read_result(path: str | Path) -> dict[str, Any]:
     except ValueError as error:
         raise FileFormatError(f"{path}: {error}") from None
     return values
+
+
+def our_results(suites: Collection[str] = ()) -> list[dict[str, Any]]:
+    """Return the results of this package's methods, with their runs on some suites, or on all.
+
+    Raises
+    ------
+    SuiteError
+        If their folder is missing, as in a wheel.
+    """
+    folder = artifacts.find("data", OURS)
+    if folder is None:
+        raise SuiteError(artifacts.missing("data", f"folder {OURS!r}"))
+    found = [read_result(path) for path in sorted(folder.glob("*.json.gz"))]
+    for result in found:
+        result["runs"] = [run for run in result["runs"] if not suites or run["suite"] in suites]
+    return [result for result in found if result["runs"]]
 
 
 def _check(values: dict[str, Any]) -> None:

@@ -22,19 +22,25 @@ class Leaderboard:
     out: Annotated[Path, arg(metavar="FILE")] = Path("leaderboard.html")
     """the page"""
 
+    ours: bool = False
+    """add the results of this package's methods on the same suites, or on all without FILE;
+    a checkout has them, a wheel does not"""
+
     suite: Annotated[str, arg(metavar="FILE", help_behavior_hint="(default: none)")] = ""
     """files of situations that results name and the package does not ship; several with commas"""
 
     def run(self) -> int:
         """Judge and write."""
-        if not self.files:
+        if not self.files and not self.ours:
             raise CommandFailure("FILE is missing: a result file of gcm-learn benchmark")
         for file in self.files:
             refuse_same({"FILE": file, "--out": self.out})
-        from gcm_learn.benchmark import load_suite, read_result
+        from gcm_learn.benchmark import load_suite, our_results, read_result
         from gcm_learn.plots import write_leaderboard
 
         results = [read_result(file) for file in self.files]
+        if self.ours:
+            results += our_results({run["suite"] for result in results for run in result["runs"]})
         given = [load_suite(name) for name in self.suite.split(",") if name]
         with staged(self.out) as place:
             write_leaderboard(results, place, given)

@@ -262,3 +262,22 @@ def test_the_command_refuses_in_one_line(suite, tmp_path, monkeypatch, capsys):
         (told,) = capsys.readouterr().err.splitlines()
         assert line in told
     assert [path.name for path in tmp_path.iterdir()] == ["three.jsonl"]
+
+
+def test_our_results_are_of_the_suites_that_ship_and_may_be_taken_in_part():
+    results = benchmark.our_results()
+    assert {r["method"] for r in results} >= {"search", "straight", "recall"}
+    for result in results:
+        for run in result["runs"]:
+            suite = benchmark.SUITES[run["suite"]]
+            assert (run["sha256"], len(run["answers"])) == (suite.sha256, suite.count)
+    some = benchmark.our_results(["plane"])
+    assert {run["suite"] for result in some for run in result["runs"]} == {"plane"}
+
+
+def test_without_the_folder_of_our_results_one_line_tells_where_it_was_looked_for(
+    tmp_path, monkeypatch
+):
+    monkeypatch.setattr(artifacts, "folders", lambda kind: [tmp_path])
+    with pytest.raises(SuiteError, match="no folder 'benchmark-results' in"):
+        benchmark.our_results()
