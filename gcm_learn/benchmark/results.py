@@ -11,6 +11,7 @@ from typing import Any
 
 from gcm_learn import artifacts
 from gcm_learn.errors import FileFormatError, SuiteError
+from gcm_learn.planners import LIMIT
 from gcm_learn.storage import write_whole
 
 FORMAT = "gcm-learn/benchmark-result@1"
@@ -95,6 +96,8 @@ def _check(values: dict[str, Any]) -> None:
     _typed(values, FIELDS, "")
     if values["protocol"] != PROTOCOL:
         raise ValueError(f"protocol: must be {PROTOCOL} (got {values['protocol']})")
+    if not 0.0 < values["limit_s"] <= LIMIT:
+        raise ValueError(f"limit_s: must be at most {LIMIT:g} (got {values['limit_s']})")
     factor = values["calibration"].get("factor")
     if not isinstance(factor, (int, float)) or not 0.0 < factor < math.inf:
         raise ValueError(f"calibration.factor: must be a positive number (got {factor!r})")

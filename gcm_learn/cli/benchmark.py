@@ -15,6 +15,8 @@ from gcm_learn.cli.progress import Progress
 if TYPE_CHECKING:
     from gcm_learn.benchmark import Loaded, Standing
 
+LONGEST = 60.0  # of an answer, by the protocol [s]
+
 
 @dataclass(frozen=True)
 class Benchmark:
@@ -41,8 +43,8 @@ class Benchmark:
 
     def run(self) -> int:
         """Ask, write the file and print the measures."""
-        if not 0.0 < self.limit <= 1e6:
-            raise CommandFailure(f"--limit {self.limit:g}: must be above 0")
+        if not 0.0 < self.limit <= LONGEST:
+            raise CommandFailure(f"--limit {self.limit:g}: must be above 0, at most {LONGEST:g}")
         names = list(dict.fromkeys(name for name in self.suite.split(",") if name))
         if not names:
             raise CommandFailure("--suite: names at least one")

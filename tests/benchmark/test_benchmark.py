@@ -174,6 +174,7 @@ def test_answers_to_other_situations_are_refused_in_one_line(suite, change, line
         (lambda r: r["runs"][0]["answers"][1].update(ms="1"), r"answers\[1\].ms: is a str"),
         (lambda r: r["runs"][0]["answers"][1].update(ms=-1), r"answers\[1\].ms: must be from 0"),
         (lambda r: r.update(protocol=2), "protocol: must be 1"),
+        (lambda r: r.update(limit_s=61), "limit_s: must be at most 60"),
         (lambda r: r.update(format="other"), "format: is not 'gcm-learn/benchmark-result@1'"),
     ],
 )
