@@ -140,6 +140,7 @@ def test_in_free_space_it_is_nearly_as_fast_as_a_straight_line(situation):
     assert plan.catch_body == straight.catch_body
 
 
+@pytest.mark.slow
 @needs_ompl
 def test_no_catch_comes_before_the_oracles_lower_bound():
     caught = 0
