@@ -235,6 +235,12 @@ class Record:
         """Whose plans it holds."""
         return self.spec.planners
 
+    def earliest(self, planner: str = "") -> Plan | None:
+        """Return the earliest catch, of one planner if it is named; None if nothing is caught."""
+        names = (planner,) if planner else self.planners
+        caught = [self.plans[name] for name in names if self.plans[name].caught]
+        return min(caught, key=lambda plan: plan.catch_time or 0.0) if caught else None
+
     @property
     def counts(self) -> np.ndarray | None:
         """Arrivals (n, n) uint16 in steps of `quantum` seconds; 65535 without arrival."""

@@ -134,11 +134,8 @@ def source_of(
 
 def catch_of(record: Record, planner: str = "") -> Waypoints | None:
     """Waypoints of a record's catch, of the earliest if no planner is named."""
-    names = (planner,) if planner else record.planners
-    plans = [record.plans[name] for name in names if record.plans[name].caught]
-    if not plans:
-        return None
-    return waypoints_of(record.situation, min(plans, key=lambda plan: plan.catch_time or 0.0))
+    plan = record.earliest(planner)
+    return None if plan is None else waypoints_of(record.situation, plan)
 
 
 @dataclass(frozen=True)

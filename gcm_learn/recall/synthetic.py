@@ -1,8 +1,7 @@
 """Movements without experience: the control for what stored catches add.
 
-A synthetic movement goes to a random posture that meets a target, by a random detour.  Lengths,
-times and waits are those of catches, drawn at random.  Nothing else is taken from a catch, and
-obstacles are not looked at.
+A synthetic movement goes to a random posture that meets a target, by a random detour.  Its
+length, its time and its wait are drawn from those of catches.  Obstacles have no influence on it.
 """
 
 from __future__ import annotations
@@ -54,19 +53,12 @@ def habits_of(records: Iterable[Record]) -> tuple[Habit, ...]:
     RecallError
         If there is no catch.
     """
-    plans = (_earliest(record) for record in records)
-    found = tuple(islice((_habit(*pair) for pair in plans if pair is not None), STUDIED))
+    pairs = ((record.earliest(), record.situation.horizon) for record in records)
+    habits = (_habit(plan.trajectory, horizon) for plan, horizon in pairs if plan is not None)
+    found = tuple(islice(habits, STUDIED))
     if not found:
         raise RecallError("the dataset has no catches, whose lengths synthetic movements take")
     return found
-
-
-def _earliest(record: Record) -> tuple[Any, float] | None:
-    plans = [plan for plan in record.plans.values() if plan.caught]
-    if not plans:
-        return None
-    first = min(plans, key=lambda plan: plan.catch_time or 0.0)
-    return first.trajectory, record.situation.horizon
 
 
 def _habit(path: Any, horizon: float) -> Habit:
@@ -92,7 +84,7 @@ class Synthetic:
     seed: int = 0
 
     def __call__(self, record: Record) -> Waypoints | None:
-        """Return a movement in a record's situation; None if no posture that meets is found."""
+        """Return a movement in a record's situation, or None without a posture that meets."""
         situation, rng = record.situation, seeding.rng(self.seed, record.index)
         habit = self.habits[int(rng.integers(len(self.habits)))]
         targets = [k for k, body in enumerate(situation.bodies) if body.role == "target"]

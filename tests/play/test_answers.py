@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import base64
-import copy
 import json
 import threading
 
@@ -19,6 +18,7 @@ from gcm_learn.play.newest import DROPPED
 from gcm_learn.play.pictures import LEVELS, NEVER, OBSTACLE, extended_pictures, map_picture
 from gcm_learn.situation import situation_from_json, situation_to_json
 from gcm_learn.wave import MarchingParams
+from tests import worlds
 
 FIRST = example()
 PATHS = ("search", "gcm")
@@ -26,12 +26,7 @@ PATHS = ("search", "gcm")
 
 def changed(*path, to):
     """Return the example with one field changed."""
-    new = copy.deepcopy(FIRST)
-    place = new
-    for step in path[:-1]:
-        place = place[step]
-    place[path[-1]] = to
-    return new
+    return worlds.changed(FIRST, path, to)
 
 
 @pytest.mark.parametrize("scene", [FIRST, situation_to_json(gate_scene())], ids=lambda s: s["name"])
