@@ -16,7 +16,6 @@ from gcm_learn.late import late_names
 from gcm_learn.recall.adaptation import Adaptation, adapt, transfer
 from gcm_learn.recall.change import ChangeIndex
 from gcm_learn.recall.encoder import CONFIG, Encoder, EncoderConfig, load_encoder, save_encoder
-from gcm_learn.recall.features import map_picture
 from gcm_learn.recall.files import MANIFEST, is_memory
 from gcm_learn.recall.growth import Coverage, grow, remember
 from gcm_learn.recall.index import (
@@ -30,6 +29,7 @@ from gcm_learn.recall.index import (
 from gcm_learn.recall.indexes import index_class
 from gcm_learn.recall.kinds import MEMORIES, raw_features, waypoints_of
 from gcm_learn.recall.lessons import Sizes
+from gcm_learn.recall.map_features import map_picture
 from gcm_learn.recall.passing import passing, passing_of
 from gcm_learn.recall.planners import (
     HybridPlanner,

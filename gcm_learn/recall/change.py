@@ -66,7 +66,7 @@ class ChangeIndex(Numbers):
     @classmethod
     def fit(cls, situations: Sequence[Any], seed: int = 0) -> ChangeIndex:
         """Learn the scales of the parameters and the mean sizes of the changes."""
-        if any(MEMORIES.of(situation).maps for situation in situations):
+        if not all(MEMORIES.of(situation).in_joints for situation in situations):
             raise RecallError("index 'change': knows arms in joints only")
         features = np.array([raw_features(s) for s in situations])
         ends = [ends_of(s) for s in situations]

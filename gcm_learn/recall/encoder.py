@@ -25,7 +25,7 @@ import numpy as np
 from gcm_learn.arms import PLANAR, Kind, kind_named
 from gcm_learn.compiled import njit
 from gcm_learn.errors import EncoderError, MissingExtraError
-from gcm_learn.recall.features import Features, map_features
+from gcm_learn.recall.features import Features
 from gcm_learn.recall.kinds import MEMORIES
 from gcm_learn.scene import Scene
 from gcm_learn.situation import AnySituation
@@ -60,7 +60,7 @@ class EncoderConfig:
     best."""
     seed: int = 0
     arm: str = PLANAR.name
-    """Kind of arm; only memories of planar ones have maps."""
+    """Kind of arm."""
 
     def __post_init__(self) -> None:
         for name, low in (("dim", 2), ("width", 4), ("steps", 1), ("seed", 0)):
@@ -72,8 +72,8 @@ class EncoderConfig:
         known = [kind.name for kind in MEMORIES]
         if self.arm not in known:
             raise EncoderError(f"arm: must be one of {', '.join(known)} (got {self.arm!r})")
-        if self.uses_maps and not MEMORIES.of(self.kind).maps:
-            raise EncoderError(f"memory: {self.memory!r} needs maps, which are of the plane")
+        if self.uses_maps and MEMORIES.of(self.kind).map_features is None:
+            raise EncoderError(f"memory: {self.memory!r} needs maps; chains have none")
         for name in ("listwise", "contrast", "decay", "hard"):
             if not getattr(self, name) >= 0.0:
                 raise EncoderError(f"{name}: must not be negative (got {getattr(self, name)!r})")
@@ -229,14 +229,15 @@ class Encoder:
             Columns of `Waypoints`.
         """
         out = np.zeros((len(knots), self.dim), dtype=np.float32)
+        picture = MEMORIES.of(self.kind).map_features
         for first in range(0, len(knots), CHUNK):
             part = slice(first, first + CHUNK)
             if self.config.uses_traces:
                 paths = MEMORIES.of(self.kind).path_features(knots[part], goals[part])
                 self._check("memory", paths.shape[1], self._memory["trace"])
                 out[part] += self._memory["trace"](paths)
-            if self.config.uses_maps:
-                maps = np.array([map_features(s) for s in situations[part]])
+            if self.config.uses_maps and picture is not None:
+                maps = np.array([picture(s) for s in situations[part]])
                 out[part] += self._memory["map"](maps)
         return out
 

@@ -12,8 +12,8 @@ import numpy as np
 from gcm_learn import seeding
 from gcm_learn.errors import EncoderError, RecallError
 from gcm_learn.recall.encoder import Encoder, load_encoder, save_encoder
-from gcm_learn.recall.features import map_picture
 from gcm_learn.recall.kinds import MEMORIES, raw_features
+from gcm_learn.recall.map_features import map_picture
 from gcm_learn.recall.raw_features import HAND_COUNT, Scale
 from gcm_learn.recall.waypoints import Waypoints
 from gcm_learn.scene import Scene
@@ -284,7 +284,7 @@ class PcaIndex(Numbers):
     @classmethod
     def fit(cls, situations: Sequence[Any], seed: int = 0) -> PcaIndex:
         """Components of the situations' maps, and the regression from raw parameters to them."""
-        if not all(MEMORIES.of(situation).maps for situation in situations):
+        if any(MEMORIES.of(situation).in_joints for situation in situations):
             raise RecallError("index 'pca': knows maps of the plane only")
         pictures = np.array([map_picture(s) for s in situations])
         features = np.array([raw_features(s) for s in situations])

@@ -27,6 +27,7 @@ from gcm_learn.recall.adaptation import (
 )
 from gcm_learn.recall.features import Features
 from gcm_learn.recall.lessons import Sizes
+from gcm_learn.recall.map_features import planar_map_features, spatial_map_features
 from gcm_learn.recall.path_features import hand_path_features, joint_path_features
 from gcm_learn.recall.raw_features import (
     chain_raw_features,
@@ -57,8 +58,10 @@ class MemoryKind:
     """Clearance features of a situation, with its scene if that is at hand."""
     path_features: Callable[[np.ndarray, np.ndarray], np.ndarray]
     """Features of memories' knots and goals."""
-    maps: bool
-    """True if situations have cognitive maps."""
+    in_joints: bool
+    """True if movements are in joints, not in hands."""
+    map_features: Callable[[Any], np.ndarray] | None
+    """Features of a situation's map, None where encoders embed no maps."""
     problem: Callable[[Any, str], Any]
     """A situation on its way to a plan, and by which planner."""
     straight: Callable[[Any], Plan]
@@ -94,7 +97,8 @@ MEMORIES = ByKind(
             raw_features=hand_raw_features,
             features=hand_features.clearance_features,
             path_features=hand_path_features,
-            maps=True,
+            in_joints=False,
+            map_features=planar_map_features,
             problem=Problem,
             straight=straight_plan,
             early_answer=Problem.early_answer,
@@ -113,7 +117,8 @@ MEMORIES = ByKind(
             raw_features=joint_raw_features,
             features=joint_features.posture_features,
             path_features=joint_path_features,
-            maps=False,
+            in_joints=True,
+            map_features=spatial_map_features,
             problem=SpatialProblem,
             straight=earliest_straight,
             early_answer=early_answer_in_space,
@@ -132,7 +137,8 @@ MEMORIES = ByKind(
             raw_features=chain_raw_features,
             features=joint_features.posture_features,
             path_features=joint_path_features,
-            maps=False,
+            in_joints=True,
+            map_features=None,
             problem=SpatialProblem,
             straight=earliest_straight,
             early_answer=early_answer_in_space,

@@ -20,7 +20,7 @@ from torch.nn import functional
 
 from gcm_learn.errors import EncoderError
 from gcm_learn.recall.encoder import LAYERS, Encoder, EncoderConfig
-from gcm_learn.recall.features import COUNT, STEPS, FeatureBatch
+from gcm_learn.recall.features import STEPS, FeatureBatch
 
 _NEVER = -1e4
 
@@ -55,11 +55,12 @@ class TowerNet(nn.Module):
 
 
 class Inputs(NamedTuple):
-    """Numbers of features; of a chain they depend on its joints."""
+    """Numbers of features; of a chain they depend on its joints, and maps are optional."""
 
     context: int
     cells: int
     path: int
+    map: int = 0
 
 
 class EncoderNet(nn.Module):
@@ -72,7 +73,7 @@ class EncoderNet(nn.Module):
         if config.uses_traces:
             self.trace = TowerNet(inputs.path, config.width, config.dim)
         if config.uses_maps:
-            self.map = TowerNet(COUNT, config.width, config.dim)
+            self.map = TowerNet(inputs.map, config.width, config.dim)
         self.hope = nn.Linear(config.dim, 1)  # the bias, by its name in checkpoints
         self.config = config
 

@@ -92,9 +92,9 @@ class Trainer:
         self._maps = None if maps is None else torch.from_numpy(maps)
         with torch.random.fork_rng(devices=[]):
             torch.manual_seed(self.config.seed)
-            self.net = EncoderNet(
-                self.config, Inputs(*self.data.situation_counts, self._paths.shape[1])
-            )
+            pictures = 0 if maps is None else maps.shape[1]
+            inputs = Inputs(*self.data.situation_counts, self._paths.shape[1], pictures)
+            self.net = EncoderNet(self.config, inputs)
         if self.start is None:
             self._highest = self.config.rate
             self._fit_scales()

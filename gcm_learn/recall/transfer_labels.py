@@ -23,7 +23,7 @@ from gcm_learn.dataset import Dataset, quantities_of, uncollected
 from gcm_learn.errors import RecallError
 from gcm_learn.processes import Crew, Here
 from gcm_learn.recall.adaptation import DEFAULT
-from gcm_learn.recall.features import FeatureBatch, Features, batched, map_features
+from gcm_learn.recall.features import FeatureBatch, Features, batched
 from gcm_learn.recall.growth import Source, source_of
 from gcm_learn.recall.kinds import MEMORIES
 from gcm_learn.recall.lessons import Sizes
@@ -38,6 +38,8 @@ EXAMINED = 300  # situations of each stratum to validate with
 PLACES = (1, 5, 20)  # up to which a valid memory is looked for then
 _BATCH, _SAMPLE, _ORDER = 7, 8, 9  # purposes of random numbers
 
+Picture = Callable[[Any], np.ndarray]
+"""Features of the map of a situation."""
 Best = Callable[[FeatureBatch, int], np.ndarray]
 """From features of n situations and a number k, the memories (n, k) that fit best by what is known
 so far, the best first."""
@@ -80,7 +82,7 @@ class TrainingData(Protocol):
 
     @property
     def map_features(self) -> np.ndarray | None:
-        """Features (m, COUNT) float32 of their maps, if wanted, else None."""
+        """Features (m, n) float32 of their maps, if wanted, else None."""
 
     @property
     def situation_counts(self) -> tuple[int, int]:
@@ -140,7 +142,8 @@ class TransferLabels:
         parts = [order[k : k + READ] for k in range(0, len(order), READ)]
         source = source_of(train, synthetic=synthetic, seed=seed)
         with uncollected():
-            read = self.crew.map(partial(_lessons, maps, source), map(train.part, parts))
+            picture = self.kind.map_features if maps else None
+            read = self.crew.map(partial(_lessons, picture, source), map(train.part, parts))
             for part, lessons in zip(parts, read, strict=True):
                 progress(len(part))
                 for lesson in lessons:
@@ -277,12 +280,12 @@ class _Try(NamedTuple):
     rows: np.ndarray
 
 
-def _lessons(maps: bool, source: Source, records: Dataset) -> list[_Lesson]:
+def _lessons(picture: Picture | None, source: Source, records: Dataset) -> list[_Lesson]:
     """The movements of some records."""
     out = []
     for record in records:
         if (waypoints := source(record)) is not None:
-            drawn = map_features(record.situation) if maps else None
+            drawn = None if picture is None else picture(record.situation)
             out.append(_Lesson(record.situation, waypoints, record.stratum == "L", drawn))
     return out
 

@@ -26,6 +26,7 @@ from gcm_learn.recall.encoder import load_encoder
 from gcm_learn.recall.features import TOUCH
 from gcm_learn.recall.joint_features import CELLS, FREE, posture_features
 from gcm_learn.recall.kinds import MEMORIES
+from gcm_learn.recall.map_features import spatial_map_features
 from gcm_learn.recall.path_features import joint_count, joint_path_features
 from gcm_learn.recall.waypoints import GOAL
 from gcm_learn.situation import Body, SolidQuadratic, Sphere, canonical
@@ -207,9 +208,18 @@ def test_an_encoder_keeps_to_the_number_of_joints_that_it_learned_from(tmp_path,
     capsys.readouterr()
 
 
-def test_memories_of_arms_in_joints_have_no_maps():
-    for kind in (SPATIAL, CHAIN):
-        with pytest.raises(EncoderError, match="'map' needs maps, which are of the plane"):
-            EncoderConfig(memory="map", arm=kind.name)
+def test_encoders_of_chains_embed_no_maps():
+    assert EncoderConfig(memory="map", arm=SPATIAL.name).uses_maps
+    with pytest.raises(EncoderError, match="'map' needs maps; chains have none"):
+        EncoderConfig(memory="map", arm=CHAIN.name)
     with pytest.raises(EncoderError, match="arm: must be one of planar, spatial, chain"):
         EncoderConfig(arm="other")
+
+
+@pytest.mark.parametrize("k", range(4))
+def test_coarse_maps_are_the_same_in_a_mirror(k):
+    situation, other = seen_in_a_mirror(canonical(families.draw("window-space", 41, k))[0])
+    mine, yours = spatial_map_features(situation), spatial_map_features(other)
+    assert mine.shape == (3 * 12**3 + 5,) and np.isfinite(mine).all()
+    assert mine[12**3 : 2 * 12**3].any()
+    np.testing.assert_allclose(mine, yours, atol=1e-5)

@@ -15,19 +15,20 @@ from gcm_learn.errors import EncoderError
 from gcm_learn.families.random_planar import random_planar
 from gcm_learn.recall import EncoderConfig, load_encoder, save_encoder
 from gcm_learn.recall.encoder import Encoder
-from gcm_learn.recall.features import COUNT, batched, map_features
+from gcm_learn.recall.features import batched
 from gcm_learn.recall.hand_features import CELLS, CONTEXT, clearance_features
+from gcm_learn.recall.map_features import planar_map_features
 from gcm_learn.recall.networks import EncoderNet, Inputs
 from gcm_learn.recall.path_features import count, hand_path_features
 
-KNOTS = 24
+KNOTS, MAP = 24, 965
 
 
 def network(memory="both", seed=0):
     """A network with weights at random, rounded to what is stored."""
     torch.manual_seed(seed)
     net = EncoderNet(
-        EncoderConfig(dim=6, width=20, memory=memory), Inputs(CONTEXT, CELLS, count(KNOTS))
+        EncoderConfig(dim=6, width=20, memory=memory), Inputs(CONTEXT, CELLS, count(KNOTS), MAP)
     )
     rng = seeding.rng(seed)
     for tower in (net.situation, net.body, net.trace, net.map):
@@ -57,7 +58,7 @@ def test_arrays_embed_as_torch_does(situations):
     found = np.array([encoder.embed_situation(s) for s in situations])
     np.testing.assert_allclose(found, wanted, atol=0.05 * np.abs(wanted).max())  # bytes of cells
     traces, goals = some_ways(len(situations))
-    pictures = np.array([map_features(s) for s in situations])
+    pictures = np.array([planar_map_features(s) for s in situations])
     with torch.no_grad():
         way = torch.from_numpy(hand_path_features(traces, goals))
         wanted = net.memories(way, torch.from_numpy(pictures)).numpy()
@@ -99,8 +100,8 @@ def test_other_files_are_refused_in_one_line(tmp_path, name, content, complaint)
 def test_maps_tell_apart_unreached_and_reached_at_once(situations):
     """A cell without arrival has the number 0, like the start, and a field that says so."""
     for situation in situations:
-        picture = map_features(situation)
-        assert picture.shape == (COUNT,) and np.isfinite(picture).all()
+        picture = planar_map_features(situation)
+        assert picture.shape == (MAP,) and np.isfinite(picture).all()
         arrival, reached = picture[:320], picture[320:640]
         assert set(np.unique(reached)) <= {0.0, 1.0}
         assert (arrival[reached == 0.0] == 0.0).all()
