@@ -9,20 +9,31 @@ one by default). The page out/index.html shows the memory as points.
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 from pictures import write_figure, write_prototypes
-from sklearn.cluster import HDBSCAN, KMeans
+from sklearn.cluster import HDBSCAN
 from sklearn.decomposition import PCA
 from sklearn.manifold import TSNE
 from sklearn.metrics import adjusted_mutual_info_score, adjusted_rand_score
 
+from experiments.common.clusters import (
+    REST,
+    TRIED,
+    Experience,
+    K,
+    Tries,
+    directions,
+    k_means,
+    shared,
+    shares,
+    stability,
+    transfers,
+    tries,
+)
 from experiments.common.tables import table
 from gcm_learn import dataset, seeding
-from gcm_learn.dataset import Record
 from gcm_learn.recall import (
     Encoder,
     LearnedIndex,
@@ -35,33 +46,13 @@ from gcm_learn.recall import (
     passing,
     raw_features,
     ring_share,
-    transfer,
     waypoints_of,
 )
 
 HERE = Path(__file__).resolve().parent
-K = 16  # clusters of k-means
 LEAST, FEW = 40, 8  # members of a cluster of HDBSCAN; principal components that it is asked in
 DRAWS = 40  # of a bootstrap
-REPEATS = 8  # resamples whose clusterings are compared
-ASKED, TRIED = 1500, 120  # situations that need more than a straight line; memories tried on each
 LETTERS = 2  # obstacles passed that a class tells; more are summed up
-REST = -1  # HDBSCAN: in no cluster
-Transfer = tuple[float, float, float, float, float]
-
-
-class Experience(NamedTuple):
-    """Catches and what is known of them."""
-
-    records: list[Record]
-    traces: np.ndarray
-    goals: np.ndarray
-    labels: dict[str, np.ndarray]
-    """Family, stratum and class of the path (n,) str."""
-    hand: np.ndarray
-    """(n, 3): powers of the hand's share of the ring at t = 0, and the arm's proportions."""
-    end: np.ndarray
-    """(n, m): also where and when the catch is, with squares and products."""
 
 
 def experience(records: dataset.Dataset, most: int) -> Experience:
@@ -116,21 +107,11 @@ def spaces(some: Experience, encoder: Encoder) -> dict[str, np.ndarray]:
     }
 
 
-def directions(rows: np.ndarray) -> np.ndarray:
-    """Rows of length 1: what an inner product orders by, whoever asks."""
-    return rows / np.maximum(np.linalg.norm(rows, axis=1, keepdims=True), 1e-12)
-
-
 def without(rows: np.ndarray, known: np.ndarray) -> np.ndarray:
     """Return the residuals of rows (n, d) after a linear fit by some numbers (n, m)."""
     inputs = np.column_stack([np.ones(len(rows)), (known - known.mean(0)) / (known.std(0) + 1e-9)])
     weights, *_ = np.linalg.lstsq(inputs, rows, rcond=None)
     return rows - inputs @ weights
-
-
-def k_means(rows: np.ndarray, seed: int) -> KMeans:
-    """Fitted centres."""
-    return KMeans(K, n_init=4, random_state=seed).fit(rows)
 
 
 def hdbscan(rows: np.ndarray) -> np.ndarray:
@@ -151,17 +132,6 @@ def agreement(clusters: np.ndarray, labels: np.ndarray) -> tuple[float, float, f
     return value, value - 1.96 * spread, value + 1.96 * spread
 
 
-def stability(rows: np.ndarray, repeats: int = REPEATS) -> tuple[float, float]:
-    """Mean adjusted Rand index and mutual information of k-means on bootstrap samples."""
-    fits = []
-    for k in range(repeats):
-        sample = seeding.rng(8, k).integers(len(rows), size=len(rows))
-        fits.append(k_means(rows[sample], k).predict(rows.astype(rows[sample].dtype)))
-    pairs = [(a, b) for k, a in enumerate(fits) for b in fits[:k]]
-    rand = np.mean([adjusted_rand_score(a, b) for a, b in pairs])
-    return float(rand), float(np.mean([adjusted_mutual_info_score(a, b) for a, b in pairs]))
-
-
 def stability_of_densities(rows: np.ndarray, repeats: int = 3) -> float:
     """Mean adjusted Rand index of HDBSCAN on samples of 80 %, where both have a point."""
     n, fits = len(rows), []
@@ -176,53 +146,6 @@ def stability_of_densities(rows: np.ndarray, repeats: int = 3) -> float:
         both = (a != -9) & (b != -9)
         values.append(adjusted_rand_score(a[both], b[both]))
     return float(np.mean(values))
-
-
-Times = Callable[[Experience, int, np.ndarray], np.ndarray]
-
-
-class Tries(NamedTuple):
-    """Memories tried on situations of others."""
-
-    asked: np.ndarray  # (m,)
-    tried: np.ndarray  # (m, t)
-    holds: np.ndarray  # (m, t) bool
-
-
-def on_situation(some: Experience, index: int, row: np.ndarray) -> np.ndarray:
-    """Return catch times of memories on a situation in the plane, negative without a catch."""
-    return transfer(some.records[index].situation, some.traces, some.goals, row)
-
-
-def tries(some: Experience, times: Times = on_situation, most: int = ASKED) -> Tries:
-    """Return random memories on situations in which a straight line does not catch.
-
-    `times` gives the catch times of such memories on one situation, `most` bounds the situations.
-    """
-    rng = seeding.rng(10)
-    hard = rng.permutation(np.flatnonzero(some.labels["stratum"] != "L"))[:most]
-    tried = rng.integers(len(some.records), size=(len(hard), TRIED))
-    holds = [times(some, i, row) >= 0.0 for i, row in zip(hard.tolist(), tried, strict=True)]
-    return Tries(hard, tried, np.array(holds) & (tried != hard[:, None]))
-
-
-def transfers(found: Tries, clusters: np.ndarray) -> Transfer:
-    """Share of tries that hold within a cluster and across; the ratio and its interval."""
-    same = clusters[found.tried] == clusters[found.asked][:, None]
-    if clusters.dtype.kind == "i":
-        same &= clusters[found.tried] != REST
-    counts = np.stack(
-        [(found.holds & same).sum(1), same.sum(1), (found.holds & ~same).sum(1), (~same).sum(1)]
-    )
-    ratios = []
-    for k in range(500):
-        draw = seeding.rng(11, k).integers(counts.shape[1], size=counts.shape[1])
-        a, b, c, d = counts[:, draw].sum(axis=1)
-        ratios.append((a / max(b, 1)) / max(c / max(d, 1), 1e-9))
-    a, b, c, d = counts.sum(axis=1)
-    low, high = np.percentile(ratios, [2.5, 97.5])
-    within, across = a / max(b, 1), c / max(d, 1)
-    return float(within), float(across), float(within / across), float(low), float(high)
 
 
 def rows_of(some: Experience, found: Tries, places: dict[str, np.ndarray]) -> tuple[list, dict]:
@@ -280,19 +203,6 @@ def write_table(file: Path, rows: list, some: Experience, found: Tries, key: str
     )
     parts = [table(head, lines), shared("memories", some, found), note]
     file.write_text("\n\n".join(parts) + "\n", encoding="utf-8")
-
-
-def shares(transfer: Transfer) -> list[str]:
-    """Return the cells about transfer within and across groups."""
-    within, across, ratio, low, high = transfer
-    return [f"{100 * within:.1f} %", f"{100 * across:.1f} %", f"{ratio:.2f} ({low:.2f}–{high:.2f})"]
-
-
-def shared(what: str, some: Experience, found: Tries) -> str:
-    """Return the table of transfer where two memories or catches share a label, and where not."""
-    head = [f"what two {what} share", "transfers where they do", "where not", "ratio"]
-    labels = some.labels.items()
-    return table(head, [[name, *shares(transfers(found, values))] for name, values in labels])
 
 
 def main() -> None:

@@ -16,7 +16,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from kinds import FEATURES, Kinds, features_of, lifted
-from run import (
+from sklearn.cluster import HDBSCAN
+from sklearn.metrics import adjusted_mutual_info_score, adjusted_rand_score
+from space_pictures import write_figure, write_films
+
+from experiments.common.clusters import (
     TRIED,
     Experience,
     Tries,
@@ -27,18 +31,13 @@ from run import (
     transfers,
     tries,
 )
-from run import stability as k_means_stability
-from sklearn.cluster import HDBSCAN
-from sklearn.metrics import adjusted_mutual_info_score, adjusted_rand_score
-from space_pictures import write_figure, write_films
-
+from experiments.common.clusters import stability as k_means_stability
 from experiments.common.tables import line, table
 from gcm_learn import dataset, seeding
 from gcm_learn.arms import SPATIAL
 from gcm_learn.planners import search_in_space
 from gcm_learn.recall import (
     MEMORIES,
-    Adaptation,
     LearnedIndex,
     Scale,
     shipped_memory,
@@ -130,12 +129,6 @@ def clusters_table(some: Experience, found: Tries, places: dict[str, np.ndarray]
         lines.append([name, *cells, rand, *shares(transfers(found, groups[name]))])
         print(line(lines[-1]), flush=True)
     return table(head, lines) + "\n\n" + shared("catches", some, found)
-
-
-def on_situation(some: Experience, index: int, row: np.ndarray) -> np.ndarray:
-    """Return catch times of memories on a situation in space, negative without a catch."""
-    problem = MOVEMENTS.problem(some.records[index].situation, "transfer")
-    return MOVEMENTS.tries(problem, Adaptation()).catch_times(some.traces, some.goals, row)
 
 
 def stability(rows: np.ndarray, count: int) -> float:
@@ -292,7 +285,7 @@ def main() -> None:
     write_films(HERE / "kinds.gif", space, found["space"], names["space"], order)
     few = Catches(*(part[:PLACED] for part in space))
     some = experience(few, names["space"][:PLACED])
-    tried = tries(some, on_situation, ASKED)
+    tried = tries(some, ASKED)
     parts.append(clusters_table(some, tried, spaces(some)))
     note = (
         f"{len(space.records)} catches in space and {len(plane.records)} in the plane, of which "

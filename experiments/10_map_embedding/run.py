@@ -1,11 +1,11 @@
 """Do maps find memories better than raw parameters do, the more so the more there is around?
 
-python -m experiments 10_map_embedding DATASET     outcomes, then the table and the figure
+python -m experiments 10_map_embedding PLANE SPACE     outcomes, then tables and the figure
 
-DATASET is a folder of `gcm-learn generate`. Encoders that know memories by their path, by their
-map, by both and by raw parameters take the same lessons. They and the controls are asked with the
-same memories, adapted in the same way. More and more obstacles that do not matter are added to the
-situations. Answers are kept in out/.
+Both are folders of `gcm-learn generate`. Encoders that know memories by their path, by their map,
+by both and by raw parameters take the same lessons, with several seeds. They and the controls are
+asked with the same memories, adapted in the same way. In the plane, more and more obstacles that do
+not matter are added to the situations. Answers are kept in out/.
 """
 
 from __future__ import annotations
@@ -13,11 +13,13 @@ from __future__ import annotations
 import argparse
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from autoencoder import AutoencoderIndex
+from places import clusters_table
 from report import write_figure
 from teaching import Given, filed, trained
 
@@ -25,6 +27,7 @@ from experiments import recompute
 from experiments.common import outcomes
 from experiments.common.questions import Question
 from gcm_learn import dataset, seeding
+from gcm_learn.arms import PLANAR
 from gcm_learn.families.random_planar import RandomPlanar
 from gcm_learn.maps import build_map
 from gcm_learn.motion.clearance import clearance
@@ -39,17 +42,20 @@ from gcm_learn.recall import (
     RawIndex,
     RecallPlanner,
     Scale,
+    Sizes,
     TransferLabels,
     Waypoints,
     nearest_rows,
     raw_features,
 )
-from gcm_learn.recall.features import COUNT as COUNT_OF_MAP
 from gcm_learn.situation import Situation
 from gcm_learn.wave import MarchingParams
 
 HERE = Path(__file__).resolve().parent
-RECORDS = 10_000  # that are read
+WORLDS = ("plane", "space")
+RECORDS = {"plane": 10_000, "space": 8_000}  # that are read
+LESSONS = {"plane": Sizes(), "space": Sizes(256, 80)}  # a try costs more in space
+SEEDS = (1, 2, 3)  # of lessons and of weights
 TURNS, STEPS = 24, 20  # lessons of every encoder, steps of the optimiser after each
 COUNT = 150  # situations of each stratum
 EXTRAS = (0, 1, 2, 4, 8)  # obstacles that are added
@@ -58,22 +64,27 @@ FREE = 0.1  # clearance that they leave the limb on the known catch [forearm len
 CELLS = 40  # along a side of the maps that must not change
 STRATA = ("W", "Q")
 SPLITS = ("test", "validation")  # no lesson is about these
+ADDED = ("map unchanged", "catch unchanged")
 
 
-def learned(labels: TransferLabels) -> dict[str, Memory]:
+def learned(labels: TransferLabels, maps: np.ndarray, seed: int) -> dict[str, Memory]:
     """Return the memories filed by encoders that know different things of them."""
     given: Given = {}
     raw = np.array([raw_features(s) for s in labels.situations])
-    padded = np.zeros((len(raw), COUNT_OF_MAP), np.float32)
-    padded[:, : raw.shape[1]] = Scale.of(raw)(raw)
     out = {}
     for name, kind, seen in (
         ("path", "trace", None),
-        ("map", "map", labels.map_features),
-        ("path and map", "both", labels.map_features),
-        ("raw, learned", "map", padded),
+        ("map", "map", maps),
+        ("path and map", "both", maps),
+        ("raw, learned", "map", Scale.of(raw)(raw)),
     ):
-        config = EncoderConfig(memory=kind, hard=0.0, steps=STEPS)  # type: ignore[arg-type]
+        config = EncoderConfig(
+            memory=kind,  # type: ignore[arg-type]
+            hard=0.0,
+            steps=STEPS,
+            seed=seed,
+            arm=labels.spec.kind.name,
+        )
         encoder = trained(labels, config, TURNS, seen, given)
         places = np.zeros((len(raw), encoder.dim), np.float32)
         if config.uses_traces:
@@ -85,17 +96,24 @@ def learned(labels: TransferLabels) -> dict[str, Memory]:
 
 
 def controls(labels: TransferLabels) -> dict[str, Memory]:
-    """Return the memories filed without learning."""
+    """Return the memories filed without learning; those by pictures of maps are of the plane."""
     raw = np.array([raw_features(s) for s in labels.situations])
-    scale, pca, lots = Scale.of(raw), PcaIndex.fit(labels.situations[:3000]), RandomIndex()
-    codes = AutoencoderIndex.fit(labels.situations[:3000])
     traces = [Waypoints(k, g) for k, g in zip(labels.knots, labels.goals, strict=True)]
-    return {
+    scale, lots = Scale.of(raw), RandomIndex()
+    found = {
         "raw neighbours": filed(RawIndex(scale), nearest_rows(scale(raw)), labels),
-        "components of maps": filed(pca, pca.embed_memories(labels.situations, traces), labels),
-        "codes of maps": filed(codes, codes.embed_memories(labels.situations, traces), labels),
         "random": filed(lots, lots.embed_memories(labels.situations, traces), labels),
     }
+    if labels.spec.kind is PLANAR:
+        pca = PcaIndex.fit(labels.situations[:3000])
+        codes = AutoencoderIndex.fit(labels.situations[:3000])
+        found["components of maps"] = filed(
+            pca, pca.embed_memories(labels.situations, traces), labels
+        )
+        found["codes of maps"] = filed(
+            codes, codes.embed_memories(labels.situations, traces), labels
+        )
+    return found
 
 
 def same_map(before: Situation, after: Situation) -> bool:
@@ -149,28 +167,69 @@ def questions(records: dataset.Dataset, strict: bool) -> Iterator[tuple[int, Que
                 break
 
 
-def answers(records: dataset.Dataset) -> Iterator[dict[str, Any]]:
-    """Yield the outcomes of every question with every memory."""
-    labels = TransferLabels(records[:RECORDS], 1, maps=True)
-    print(len(labels.knots), "memories", flush=True)
-    memories = learned(labels) | controls(labels)
-    for added in ("map unchanged", "catch unchanged"):
-        asked = list(questions(records, added == "map unchanged"))
-        print(added, len(asked), flush=True)
-        for name, memory in memories.items():
-            planner = RecallPlanner(memory)
-            for extra, question in asked:
+def as_drawn(records: dataset.Dataset) -> Iterator[tuple[int, Question]]:
+    """Yield situations of W and Q with nothing added, those in which a plan was found."""
+    for stratum in STRATA:
+        found = 0
+        for record in records.where(split=SPLITS, stratum=stratum):
+            if found == COUNT or not any(p.caught for p in record.plans.values()):
+                continue
+            found += 1
+            yield 0, Question(stratum, record.family, record.index, record.situation)
+
+
+Asked = dict[str, list[tuple[int, Question]]]
+
+
+def asked_of(world: str, records: dataset.Dataset) -> Asked:
+    """Return the questions of a world by what is added to them."""
+    if world == "plane":
+        return {added: list(questions(records, added == ADDED[0])) for added in ADDED}
+    return {"nothing": list(as_drawn(records))}
+
+
+def answers(world: str, records: dataset.Dataset) -> Iterator[dict[str, Any]]:
+    """Yield the outcomes of every question with every memory; write the table of clusters."""
+    asked, maps, tables = asked_of(world, records), None, []
+    for seed in SEEDS:
+        some, sizes = records[: RECORDS[world]], LESSONS[world]
+        labels = TransferLabels(some, seed, maps=maps is None, sizes=sizes)
+        if maps is None:
+            maps = labels.map_features
+            assert maps is not None
+            yield from answered(world, asked, controls(labels), 0)
+        print(f"{world}: {len(maps)} memories, seed {seed}", flush=True)
+        memories = learned(labels, maps, seed)
+        yield from answered(world, asked, memories, seed)
+        tables.append(clusters_table(some, labels, memories, maps, seed))
+    (HERE / f"clusters-{world}.md").write_text("\n\n".join(tables) + "\n", "utf-8")
+
+
+def answered(
+    world: str, asked: Asked, memories: dict[str, Memory], seed: int
+) -> Iterator[dict[str, Any]]:
+    """Yield the outcomes of every question with some memories."""
+    for name, memory in memories.items():
+        planner = RecallPlanner(memory)
+        for added, some in asked.items():
+            for extra, question in some:
                 found = planner.recollect(question.situation)
-                row = question.about() | {"method": name, "added": added, "extra": extra}
-                yield row | {"caught": found.plan.caught, "checks": found.checked}
+                row = question.about() | {"world": world, "method": name, "seed": seed}
+                row |= {"added": added, "extra": extra, "checks": found.checked}
+                yield row | {"caught": found.plan.caught}
 
 
 def main() -> None:
     """Train and ask, or read the answers; write the outcomes, and what is computed from them."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("dataset")
-    records, file = dataset.open(parser.parse_args().dataset), HERE / "outcomes.csv.gz"
-    outcomes.write(file, outcomes.kept(HERE / "out" / "answers.jsonl", lambda: answers(records)))
+    for world in WORLDS:
+        parser.add_argument(world)
+    given, file, rows = vars(parser.parse_args()), HERE / "outcomes.csv.gz", []
+    for world in WORLDS:
+        records = dataset.open(given[world])
+        make = partial(answers, world, records)
+        rows += outcomes.kept(HERE / "out" / f"{world}.jsonl", make)
+    outcomes.write(file, rows)
     recompute.update(HERE)
     write_figure(HERE / "figure.png", outcomes.read(file))
 

@@ -27,13 +27,13 @@ Given = dict[int, Labels]
 
 
 class Same:
-    """Training data that give all encoders the same labels, unless these are about what they think.
+    """Training data that give all encoders the same labels, unless these are about their own order.
 
     Parameters
     ----------
     source : TransferLabels
-    pictures : (m, COUNT) ndarray, optional
-        What memories look like besides their paths.
+    pictures : (m, n) ndarray, optional
+        Features of memories besides their paths.
     given : dict
         Batches that have been given.
     """
@@ -41,6 +41,11 @@ class Same:
     def __init__(self, source: TransferLabels, pictures: np.ndarray | None, given: Given) -> None:
         self.source, self.given = source, given
         self.path_features, self.map_features = source.path_features, pictures
+
+    @property
+    def situation_counts(self) -> tuple[int, int]:
+        """Features of a situation's context, and of an obstacle."""
+        return self.source.situation_counts
 
     def labels(self, index: int, best: Best | None) -> Labels:
         """Batch number `index`, made at the first call."""
@@ -74,4 +79,5 @@ def trained(
 
 def filed(index: Index, places: np.ndarray, source: TransferLabels) -> Memory:
     """The source's memories at known places."""
-    return Memory.of(index, places, source.knots, source.goals, search="exact")
+    kind = source.spec.kind
+    return Memory.of(index, places, source.knots, source.goals, search="exact", kind=kind)
