@@ -43,8 +43,8 @@ def results(folder: Path) -> dict[str, str]:
         "Growth of differences with 8 obstacles, in the plane": growth(plane),
     }
     note = (
-        f"Caught [%] of {counted(plane)} in the plane and {counted(space)} in space. Intervals of 95 % "
-        "by drawing seeds and situations again; differences over the same situations, in points. "
+        f"Caught [%] of {counted(plane)} in the plane and {counted(space)} in space. Intervals of "
+        "95 % by drawing seeds and situations again; differences over the same situations. "
         "Encoders have three seeds of training; the others have none."
     )
     return {"table.md": sections(parts) + "\n" + note + "\n"}
