@@ -14,26 +14,23 @@ file it is:
 are named as links of the page would be; a line that begins with a file goes on to the next one.
 After each number:
 
-- ``row | column``: a cell of a table; where it takes several cells to tell the row, all are named,
-  and ``table 2`` is the second of the file. ``[2]`` is the second number of the cell, e.g. of an
-  interval
-- ``key | key``: a value of a JSON file; a share may be told in percent
+- a place of `experiments.common.cells`; a share of a JSON file may be told in percent
 - ``"words"``: the number stands in the file in these words
-- ``A minus B``, ``A over B``: the difference, or the share in percent
 - ``-``: a condition, and no result
 - ``~``: a result of a run whose results are not kept
 """
 
 from __future__ import annotations
 
-import json
 import re
 import tomllib
 from collections import defaultdict
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
+
+from experiments.common.cells import number_at, value
 
 ROOT = Path(__file__).parents[1]
 CLAIMS = ROOT / "experiments" / "claims.toml"
@@ -99,11 +96,6 @@ def numbers_of(text: str) -> list[str]:
     return NUMBER.findall(text)
 
 
-def value(number: str) -> float:
-    """A number as it is written."""
-    return float(number.replace(",", "").replace("−", "-"))
-
-
 def uncovered(page: Path, texts: list[Text]) -> list[str]:
     """Numbers of a page's paragraphs and items that nothing is said of."""
     covered = {text.block() for text in texts}
@@ -115,65 +107,20 @@ def agrees(claim: Claim) -> bool:
     """Whether the file says so, to the digits that are told."""
     told = value(claim.told)
     half = 0.5 * 10.0 ** -len(claim.told.partition(".")[2])
-    for joint in (" minus ", " over "):
-        if joint in claim.source:
-            one, other = (_found(claim.file, key) for key in claim.source.split(joint))
-            found = one - other if joint == " minus " else 100.0 * one / other
-            return abs(found - told) <= half + 1e-9
     if claim.source.startswith('"'):
         words = claim.source.strip('"')
         return told in map(value, numbers_of(words)) and words in _words(claim.file)
-    found = _found(claim.file, claim.source)
-    shares = (1.0, 100.0) if claim.file.suffix == ".json" and abs(found) <= 1.0 else (1.0,)
-    if claim.told[0] not in "+-−":  # a loss may be told as so many points less
+    found = number_at(claim.file, claim.source)
+    scales = (1.0, 100.0) if claim.file.suffix == ".json" and abs(found) <= 1.0 else (1.0,)
+    joint = " minus " in claim.source or " over " in claim.source
+    if not joint and claim.told[0] not in "+-−":  # a loss may be told as so many points less
         found = abs(found)
-    return any(abs(scale * found - told) <= half + 1e-9 for scale in shares)
-
-
-def _found(file: Path, source: str) -> float:
-    """The number at a place of a file."""
-    if file.suffix == ".json":
-        return _in_json(json.loads(file.read_text("utf-8")), source.split(" | "))
-    which = re.search(r"\s*\[(\d)\]$", source)
-    *row, column = source[: which.start() if which else None].split(" | ")
-    hits = [
-        cells[head.index(column)]
-        for table, head, cells in _rows(file)
-        if column in head and all(part in (*cells, table) for part in row)
-    ]
-    if len(hits) != 1:
-        raise LookupError(f"{file}: {len(hits)} cells are {source!r}")
-    numbers = re.findall(r"[-+−]?\d[\d,]*(?:\.\d+)?", re.sub(r"(?<=\d)[-–…]", " ", hits[0]))
-    return value(numbers[int(which[1]) - 1 if which else 0])
-
-
-def _in_json(content: Any, keys: list[str]) -> float:
-    for key in keys:
-        content = content[int(key)] if isinstance(content, list) else content[key]
-    return float(content)
+    return any(abs(scale * found - told) <= half + 1e-9 for scale in scales)
 
 
 @cache
 def _words(file: Path) -> str:
     return " ".join(file.read_text("utf-8").split())
-
-
-@cache
-def _rows(file: Path) -> list[tuple[str, list[str], list[str]]]:
-    """Rows of all tables: which table, the heads of its columns, the cells."""
-    out: list[tuple[str, list[str], list[str]]] = []
-    head: list[str] = []
-    count = 0
-    for line in file.read_text("utf-8").splitlines():
-        if not line.lstrip().startswith("|"):
-            head = []
-            continue
-        cells = [re.sub(r"[`*]", "", cell).strip() for cell in line.strip().strip("|").split("|")]
-        if not head:
-            head, count = cells, count + 1
-        elif not set(line) <= set("|-: "):
-            out.append((f"table {count}", head, cells))
-    return out
 
 
 def tables_of(file: Path) -> dict[str, list[str]]:
