@@ -1,0 +1,114 @@
+"""Make the write-up of all findings as a PDF of four pages from the results' files.
+
+python -m experiments write_up [FILE]      build/write-up.pdf by default
+
+`write-up.md` is the text. ``{{10_map_embedding/table.md: map | W; 1}}`` stands for a number: a file,
+its place by `common.cells`, and decimals (none by default). A share of a JSON file is given in
+percent by ``%``, e.g. ``; %1``.
+"""
+
+from __future__ import annotations
+
+import argparse
+import re
+from datetime import UTC, datetime
+from pathlib import Path
+
+import matplotlib
+from fpdf import FPDF, FontFace, TextStyle
+from markdown_it import MarkdownIt
+
+from experiments.common.cells import number_at
+
+HERE = Path(__file__).resolve().parent
+TEXT, PDF = HERE / "write-up.md", HERE.parent / "build" / "write-up.pdf"
+NUMBER = re.compile(r"\{\{(\S+): ([^;}]+?)(?:; ?(%?)(\d))?\}\}")
+FONTS = Path(matplotlib.get_data_path()) / "fonts" / "ttf"
+SIZE, MARGIN = 9.0, 19.0  # of the text [pt], of the page [mm]
+GREY = (70, 70, 70)
+
+
+def filled(text: str, folder: Path = HERE) -> str:
+    """Replace places in a text by their numbers.
+
+    Raises
+    ------
+    LookupError
+        If a place is none, or if something in braces is no place.
+    """
+
+    def number(match: re.Match[str]) -> str:
+        name, place, percent, digits = match.groups()
+        found = number_at(folder / name, place.strip()) * (100.0 if percent else 1.0)
+        return f"{found:,.{int(digits or 0)}f}"
+
+    out = NUMBER.sub(number, text)
+    if "{{" in out:
+        left = out[out.index("{{") :][:60]
+        raise LookupError(f"{left!r}: is no place; expected {{{{FILE: PLACE; DECIMALS}}}}")
+    return out
+
+
+def as_html(text: str, folder: Path = HERE) -> str:
+    """Return Markdown as HTML for a page: figures as wide as the text, links without targets."""
+    html = MarkdownIt().enable("table").render(text)
+    html = re.sub(r'<a href="[^"]*">(.*?)</a>', r"\1", html)
+    html = re.sub(r"<p><img src=\"(\S+?)\" alt=\"(.*?)\" ?/?></p>", _figure(folder), html)
+    html = html.replace("<table>", '<table border="0" width="100%" cellpadding="2">')
+    return re.sub(r"</?t(?:head|body)>", "", html)
+
+
+def _figure(folder: Path) -> str:
+    wide = 520  # [px], as wide as the text
+    source = f"{folder.as_posix()}/\\1"
+    return rf'<center><img src="{source}" width="{wide}"></center><p><i>\2</i></p>'
+
+
+def write_pdf(html: str, file: Path) -> int:
+    """Write pages with the numbers below them; return how many there are."""
+    pdf = Pages(format="A4")
+    pdf.set_creation_date(datetime.fromtimestamp(0, UTC))  # the same bytes every time
+    for style, name in (("", ""), ("B", "-Bold"), ("I", "-Italic"), ("BI", "-BoldItalic")):
+        pdf.add_font("serif", style, FONTS / f"DejaVuSerif{name}.ttf")
+    pdf.add_font("mono", "", FONTS / "DejaVuSansMono.ttf")
+    pdf.set_margins(MARGIN, MARGIN, MARGIN)
+    pdf.set_auto_page_break(True, MARGIN)
+    pdf.set_font("serif", size=SIZE)
+    pdf.add_page()
+    pdf.write_html(
+        html,
+        table_line_separators=True,
+        tag_styles={
+            "h1": TextStyle("serif", "B", 15, color=0, b_margin=2),
+            "h2": TextStyle("serif", "B", 11, color=0, t_margin=3, b_margin=1),
+            "code": FontFace("mono", "", SIZE - 1, color=0),
+            "a": FontFace("serif", "", SIZE, color=0),
+        },
+    )
+    file.parent.mkdir(parents=True, exist_ok=True)
+    pdf.output(str(file))
+    return int(pdf.page_no())
+
+
+class Pages(FPDF):
+    """Pages with their numbers."""
+
+    def footer(self) -> None:
+        """Write the number of the page below it."""
+        self.set_y(-MARGIN + 5.0)
+        self.set_font("serif", size=SIZE - 1)
+        self.set_text_color(*GREY)
+        self.cell(0, 4, str(self.page_no()), align="C")
+
+
+def main() -> None:
+    """Fill in the numbers and write the pages."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("file", nargs="?", type=Path, default=PDF)
+    file = parser.parse_args().file
+    pages = write_pdf(as_html(filled(TEXT.read_text("utf-8"))), file)
+    print(f"{file}: {pages} pages")
+
+
+if __name__ == "__main__":
+    main()
