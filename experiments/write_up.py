@@ -2,7 +2,7 @@
 
 python -m experiments write_up [FILE]      build/write-up.pdf by default
 
-`write-up.md` is the text. ``{{10_map_embedding/table.md: map | W; 1}}`` stands for a number: a file,
+`write-up.md` is the text. ``{{20_cover/table.md: belt | covered; 1}}`` stands for a number: a file,
 its place by `common.cells`, and decimals (none by default). A share of a JSON file is given in
 percent by ``%``, e.g. ``; %1``.
 """
