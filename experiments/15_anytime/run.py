@@ -22,10 +22,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from experiments.common.charging import after
 from experiments.common.judging import complaints, first_answer
 from experiments.common.memories import random_by_family
 from gcm_learn.dataset import make_item, read_spec
-from gcm_learn.evaluation.kinds import resting
 from gcm_learn.planners import (
     GAIN,
     SpatialProblem,
@@ -36,7 +36,6 @@ from gcm_learn.planners import (
     search_in_space,
 )
 from gcm_learn.recall import HybridPlanner, RecallPlanner
-from gcm_learn.scene import later
 from gcm_learn.storage import write_whole
 
 HERE = Path(__file__).resolve().parent
@@ -53,7 +52,6 @@ NEAR, ENOUGH = 0.1, 0.05  # of the horizon: well caught; so near that nothing be
 CURVE = (1.0, 2.0, 5.0, 10.0, 50.0, 100.0, 200.0)  # budgets beside the two [ms]
 CURVED = 120  # situations of each kind of joints for which they are asked
 INSTANTS = 96  # at which straight movements are looked for, as by the yardstick
-LOOKS = 4  # at an arm that goes on while one thinks
 TREES_MS = (5.0, 10.0, 20.0, 50.0, 100.0)
 
 
@@ -173,35 +171,11 @@ class Arms:
 
 
 def charged(case: Case, arms: dict[str, Any], budget: float) -> dict[str, Any] | str:
-    """Answers if the world goes on for a budget [s] while one thinks.
-
-    An arm whose joints move and cannot stop at once goes on as it did; any other rests. If it
-    is touched or caught meanwhile, nobody is asked: all share that fate.
-    """
-    situation = case.situation
-    if budget >= situation.horizon:
-        return "late"
-    rates = situation.arm.joint_rates
-    if rates is not None and any(rates):
-        for share in np.linspace(0.0, 1.0, LOOKS + 1)[1:]:
-            moved = coasting(situation, share * budget)
-            if moved is None or SpatialProblem(moved, "rest").start_clearance <= 0.0:
-                return "touched"
-    else:
-        moved, fate = later(situation, budget), resting(situation, budget)
-        if fate:
-            return fate
+    """Answers if the world goes on for a budget [s] while one thinks, or the fate of all."""
+    moved = after(case.situation, budget)
+    if isinstance(moved, str):
+        return moved
     return {name: first_answer(planner, moved) for name, planner in arms.items()}
-
-
-def coasting(situation: Any, t: float) -> Any | None:
-    """The situation t [s] later, its joints turning on; None where one comes to its end."""
-    arm = situation.arm
-    joints = tuple(q + t * rate for q, rate in zip(arm.joints, arm.joint_rates, strict=True))
-    ends = zip(joints, arm.joint_range, strict=True)
-    if not all(low <= q <= high for q, (low, high) in ends):
-        return None
-    return later(situation, t, joints=joints, rates=arm.joint_rates)
 
 
 def improved(planner: Any, control: Any, situation: Any, enough: float) -> list[list[float]]:
