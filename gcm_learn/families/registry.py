@@ -38,6 +38,7 @@ from gcm_learn.families.space.clutter import (
 )
 from gcm_learn.families.space.flights import FallingSpace, LateTargetSpace, OverShelfSpace
 from gcm_learn.families.space.pendulum import PendulumSpace
+from gcm_learn.families.space.sequence import SequenceSpace
 from gcm_learn.families.space.walls import DoorSpace, WindowSpace
 from gcm_learn.families.spinning import Spinning, SpinningSolid
 from gcm_learn.families.static_clutter import StaticClutter, StaticClutterSolid
@@ -54,6 +55,7 @@ _FAMILIES: dict[str, type[Family]] = {
         RandomSolid,
         StaticClutterSpace, CrossingSwarmSpace, BehindPostSpace, WindowSpace, DoorSpace, CrateSpace,
         TraySpace, OverShelfSpace, FallingSpace, LateTargetSpace, PendulumSpace, BenchSpace,
+        SequenceSpace,
         ThrowChain, ConveyorChain, WindowChain, PendulumChain, SwarmChain, ShelfChain,
         TurntableChain, OtherArmChain, DrawerChain, FallingChain, GateChain, HandoverChain,
     )

@@ -1,18 +1,18 @@
-"""Several catches in one movement: greedy orders, leg after leg."""
+"""Several catches in one movement, leg after leg."""
 
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from gcm_learn.motion import Movement
+from gcm_learn.planners.orders import Course, with_targets
 from gcm_learn.planners.outside import verified_anew
 from gcm_learn.planners.plan import Deadline, Plan
-from gcm_learn.scene import later
 from gcm_learn.situation import AnySituation
 
 
@@ -56,31 +56,21 @@ def caught_in_turn(
             break
         first = missed[0]
     spent = 1e3 * (clock.perf_counter() - since)
-    return _joined(situation, best, spent)
+    return joined(situation, best, spent)
 
 
 def _legs(
     planner: Any, situation: AnySituation, first: str | None, given: dict[str, Any]
 ) -> Iterator[Plan]:
     """Yield plans, each in the situation that the one before leaves; the last may be no catch."""
-    now: Any = situation
-    left = {target.name for target in situation.targets}
-    while True:
-        plan = planner.plan(_with_targets(now, left if first is None else {first}), **given)
+    course = Course(replace(situation, catch="most"))
+    while course.left:
+        aimed = course.now if first is None else with_targets(course.now, {first})
+        plan = planner.plan(aimed, **given)
         yield plan
-        left, first = left - {plan.catch_body}, None
-        if not plan.caught or not left or plan.catch_time >= now.horizon:
+        if not plan.caught:
             return
-        moves = plan.trajectory
-        rates = None if moves.rates is None else tuple(moves.rates[-1].tolist())
-        joints = tuple(moves.joints[-1].tolist())
-        now = later(_with_targets(now, left), plan.catch_time, joints=joints, rates=rates)
-
-
-def _with_targets(situation: Any, names: set[Any]) -> Any:
-    """Return a situation with some of its targets only, of which one is to be caught."""
-    bodies = (b for b in situation.bodies if b.role != "target" or b.name in names)
-    return replace(situation, bodies=tuple(bodies), catch="most")
+        course, first = course.with_leg(plan), None
 
 
 def _worth(legs: list[Plan]) -> tuple[int, float]:
@@ -89,8 +79,17 @@ def _worth(legs: list[Plan]) -> tuple[int, float]:
     return len(caught), -sum(leg.catch_time or 0.0 for leg in caught)
 
 
-def _joined(situation: AnySituation, legs: list[Plan], spent: float) -> Plan:
-    """Return the plan of all legs, verified, or the reason for its absence."""
+def joined(situation: AnySituation, legs: Sequence[Plan], spent: float) -> Plan:
+    """Return the plan of all legs, verified, or the reason for its absence.
+
+    Parameters
+    ----------
+    situation : Situation
+    legs : sequence of Plan
+        Each in the situation that the one before leaves; catches come first.
+    spent : float
+        Time of planning [ms].
+    """
     caught = [leg for leg in legs if leg.caught]
     missing = len(situation.targets) - len(caught)
     if not caught:
@@ -118,12 +117,14 @@ def _movement(situation: AnySituation, legs: list[Plan]) -> tuple[Movement, list
     ends = np.cumsum([part.duration for part in parts])
     first = [0] + [1] * (len(parts) - 1)  # where a leg begins, the one before has ended
 
-    def joined(columns: list[np.ndarray]) -> np.ndarray:
+    def end_to_end(columns: list[np.ndarray]) -> np.ndarray:
         return np.concatenate([column[k:] for column, k in zip(columns, first, strict=True)])
 
-    time = joined([part.time + end - part.duration for part, end in zip(parts, ends, strict=True)])
+    time = end_to_end(
+        [part.time + end - part.duration for part, end in zip(parts, ends, strict=True)]
+    )
     curved = all(part.rates is not None for part in parts)
-    rates = joined([part.rates for part in parts]) if curved else None
-    moves = Movement(situation.arm, time, joined([part.joints for part in parts]), rates)
+    rates = end_to_end([part.rates for part in parts]) if curved else None
+    moves = Movement(situation.arm, time, end_to_end([part.joints for part in parts]), rates)
     last = np.cumsum([len(part.time) for part in parts]) - 1 - np.arange(len(parts))
     return moves, time[last].tolist()

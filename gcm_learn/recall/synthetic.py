@@ -19,7 +19,7 @@ from gcm_learn.arms import PLANAR, SIDE, ByKind, forward, joints_of
 from gcm_learn.compiled import njit
 from gcm_learn.errors import RecallError
 from gcm_learn.motion import Movement
-from gcm_learn.planners.joints.pull import box, pulled
+from gcm_learn.planners.joints.meetings import meets
 from gcm_learn.recall.kinds import MEMORIES
 from gcm_learn.recall.waypoints import Waypoints
 from gcm_learn.scene.bodies import pose_at
@@ -165,11 +165,7 @@ def _meeting(study, b, t, goals):
     """Turn drawn postures (m, n) until they catch body b at t [s]; return which do (m,)."""
     met = np.zeros(goals.shape[0], dtype=np.bool_)
     for k in range(goals.shape[0]):
-        q = goals[k]
-        box(study, study.scene.limb.start, t)
-        for j in range(q.size):
-            q[j] = study.low[j] + q[j] * (study.high[j] - study.low[j])
-        met[k] = pulled(study, b, t, q)
+        met[k] = meets(study, b, t, goals[k])
     return met
 
 

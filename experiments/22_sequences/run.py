@@ -1,0 +1,177 @@
+"""Is memory needed to catch several targets in one movement? Writes outcomes, then tables.
+
+python -m experiments 22_sequences choose       methods on validation draws, choice.json
+python -m experiments 22_sequences ask WORLD    what is missing of the fresh situations
+python -m experiments 22_sequences report       outcomes, tables, the figure
+
+WORLD is space or panda. Memories are those of `21_experience`, whose parts draw and train come
+before. What is done is kept in out/ and not done again. Ask on a machine that does nothing else.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from time import process_time
+from typing import Any, NamedTuple
+
+from memories import recalling
+from report import best_without, write_figure
+
+from experiments import recompute
+from experiments.common import outcomes
+from experiments.common.charging import after
+from experiments.common.judging import complaints
+from gcm_learn.families import draw, family_from_dict
+from gcm_learn.families.family import Family
+from gcm_learn.planners import Deadline, Plan, TreeSearch
+from gcm_learn.planners.orders import ORDERS, Course
+from gcm_learn.planners.sequences import joined
+
+HERE = Path(__file__).resolve().parent
+OUT, CHOICE = HERE / "out", HERE / "choice.json"
+FROZEN = HERE / "frozen.json"
+"""The commit that froze code and generator, and the seed that its hash gives."""
+VALIDATION, EACH = 1522, 60  # seed and situations by which the best without memory is chosen
+WARM = 3  # situations that are asked first and not counted
+PERIODS = (1, 2, 5, 10)  # of thinking that are charged
+PERIOD = 0.02  # [s]
+ROUNDS = {"search": 375, "short search": 94}  # postures of a leg's search
+
+
+class World(NamedTuple):
+    """Sequences of one kind of arm."""
+
+    family: Family
+    spec: str
+    """Whose catches are remembered."""
+    count: int
+    """Fresh situations."""
+
+
+LIMITED = {"human": 0.3, "nao": 0.3, "ramp": [0.03, 0.15], "horizon": [1.6, 2.8]}
+WORLDS = {
+    "space": World(
+        family_from_dict({"family": "sequence-space", "arm": LIMITED}), "space-accelerated", 300
+    ),
+    "panda": World(
+        family_from_dict({"family": "conveyor-chain", "parts": [3, 5]}), "recall-panda", 100
+    ),
+}
+
+
+def drawn(world: World, seed: int) -> Iterator[tuple[int, Any]]:
+    """Yield situations with several targets of which most are wanted, without end."""
+    number = 0
+    while True:
+        situation = draw(world.family, seed, number)
+        if situation.catch == "most" and len(situation.targets) >= 3:
+            yield number, situation
+        number += 1
+
+
+def methods(world: World) -> dict[str, tuple[str, Any]]:
+    """Return the order and the planner of legs of all methods by name."""
+    legs = {name: TreeSearch(rounds=rounds) for name, rounds in ROUNDS.items()}
+    made = {f"{order}, {name}": (order, leg) for order in ORDERS for name, leg in legs.items()}
+    for source in ("synthetic", "stored"):
+        before = recalling(world.spec, source)
+        for name, leg in legs.items():
+            made[f"bound, {source}, {name}"] = ("bound", before(leg))
+    return made
+
+
+def answer(order: str, leg: Any, situation: Any, budget: float) -> tuple[Plan | None, int]:
+    """Return the plan that is there after a time [s], or None, and how many courses were found.
+
+    The time has the check of the whole movement in it.
+    """
+    deadline, since, found = Deadline(budget), process_time(), []
+    for course in ORDERS[order](leg.plan, Course(situation), lambda: deadline.over):
+        found.append((process_time() - since, course))
+    for spent, course in reversed(found):
+        since = process_time()
+        if spent < budget:
+            plan = joined(situation, course.legs, 1e3 * spent)
+            if plan.caught and spent + process_time() - since <= budget:
+                return plan, len(found)
+    return None, len(found)
+
+
+def answers(
+    situation: Any, asked: list[tuple[str, tuple[str, Any]]], number: int
+) -> Iterator[dict[str, Any]]:
+    """Yield the outcomes of all methods with all budgets."""
+    about = {"situation": number, "targets": len(situation.targets), "stratum": "", "family": ""}
+    for periods in PERIODS:
+        moved = after(situation, periods * PERIOD)
+        for name, (order, leg) in asked:
+            row = about | {"method": name, "periods": periods, "got": 0}
+            if isinstance(moved, str):
+                yield row | {"caught": moved == "caught", "got": int(moved == "caught")}
+                continue
+            plan, found = answer(order, leg, moved, periods * PERIOD)
+            row |= {"caught": plan is not None, "courses": found}
+            if plan is not None:
+                row |= {"got": 1 + len(plan.on_the_way), "catch_time": plan.catch_time}
+                row |= {"complaints": len(complaints(moved, plan))}
+            yield row
+
+
+def ask(name: str, seed: int, count: int, file: Path) -> list[list[dict[str, Any]]]:
+    """Ask all methods what is missing of some situations; return all answers."""
+    world, some = WORLDS[name], list(methods(WORLDS[name]).items())
+    file.parent.mkdir(parents=True, exist_ok=True)
+    lines = file.read_text("utf-8").splitlines() if file.exists() else []
+    known = {json.loads(line)[0]["situation"] for line in lines}
+    source = drawn(world, seed)
+    cases = [next(source) for _ in range(WARM + count)]
+    for number, situation in cases[:WARM]:  # kernels are loaded now
+        list(answers(situation, some, number))
+    with file.open("a", encoding="utf-8") as stream:
+        for k, (number, situation) in enumerate(cases[WARM:]):
+            if number not in known:
+                turn = k % len(some)  # nobody is always the first
+                rows = list(answers(situation, some[turn:] + some[:turn], number))
+                stream.write(json.dumps([row | {"world": name} for row in rows]) + "\n")
+                stream.flush()
+    return [json.loads(line) for line in file.read_text("utf-8").splitlines()]
+
+
+def choose() -> None:
+    """Note which method without memory is the best for each budget, and which with memory."""
+    made: dict[str, Any] = {}
+    for name in WORLDS:
+        rows = ask(name, VALIDATION, EACH, OUT / f"validation-{name}.jsonl")
+        made[name] = best_without([row for situation in rows for row in situation])
+    CHOICE.write_text(json.dumps(made, indent=1) + "\n", "utf-8")
+
+
+def main() -> None:
+    """Do one of the parts."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("part", choices=("choose", "ask", "report"))
+    parser.add_argument("world", nargs="?", choices=tuple(WORLDS), help="all by default")
+    given = parser.parse_args()
+    if given.part == "choose":
+        choose()
+    elif given.part == "ask":
+        seed = int(json.loads(FROZEN.read_text("utf-8"))["seed"])
+        for name in [given.world] if given.world else WORLDS:
+            ask(name, seed, WORLDS[name].count, OUT / f"fresh-{seed}-{name}.jsonl")
+    else:
+        lines = [
+            line
+            for file in sorted(OUT.glob("fresh-*.jsonl"))
+            for line in file.read_text("utf-8").splitlines()
+        ]
+        rows = [row for line in lines for row in json.loads(line)]
+        outcomes.write(HERE / "outcomes.csv.gz", rows)
+        recompute.update(HERE)
+        write_figure(HERE / "figure.png", outcomes.read(HERE / "outcomes.csv.gz"))
+
+
+if __name__ == "__main__":
+    main()

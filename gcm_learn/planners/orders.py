@@ -1,0 +1,147 @@
+"""Orders in which several targets are caught, leg after leg.
+
+An order yields ever better courses: more catches, or as many that end earlier.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from gcm_learn.arms import hands_along
+from gcm_learn.planners.joints.meetings import soonest
+from gcm_learn.planners.plan import Plan
+from gcm_learn.scene import later
+
+Leg = Callable[[Any], Plan]
+"""Plans one catch; its situation has the targets that it may catch."""
+Halt = Callable[[], bool]
+"""Tells whether time is up."""
+
+
+class Course(NamedTuple):
+    """Legs of a movement, and the situation that they leave."""
+
+    now: Any
+    """At the end of the last leg, with the targets that are left."""
+    legs: tuple[Plan, ...] = ()
+    until: float = 0.0
+    """End of the last leg [s]."""
+
+    @property
+    def worth(self) -> tuple[int, float]:
+        """What makes a course better: catches, then an early end."""
+        return len(self.legs), -self.until
+
+    @property
+    def left(self) -> list[str]:
+        """Names of the targets that are left; none at the horizon."""
+        return [target.name for target in self.now.targets] if self.now is not None else []
+
+    def with_leg(self, plan: Plan) -> Course:
+        """Return the course with one more leg, which catches."""
+        end, moves = plan.catch_time or 0.0, plan.trajectory
+        legs, until = (*self.legs, plan), self.until + end
+        names = set(self.left) - {plan.catch_body}
+        if moves is None or not names or end >= self.now.horizon:
+            return Course(None, legs, until)
+        arm = self.now.arm
+        joints = np.clip(moves.joints[-1], *np.array(arm.joint_range).T)  # rounding leaves the ends
+        rates = None
+        if moves.rates is not None:
+            most = np.array(arm.max_joint_speed)
+            rates = tuple(np.clip(moves.rates[-1], -most, most).tolist())
+        now = later(with_targets(self.now, names), end, joints=tuple(joints.tolist()), rates=rates)
+        return Course(now, legs, until)
+
+
+def with_targets(situation: Any, names: set[Any]) -> Any:
+    """Return a situation with some of its targets only, of which one is to be caught."""
+    bodies = tuple(b for b in situation.bodies if b.role != "target" or b.name in names)
+    return replace(situation, bodies=bodies, catch="any" if len(names) == 1 else situation.catch)
+
+
+def as_found(leg: Leg, course: Course, halt: Halt) -> Iterator[Course]:
+    """Catch whichever target a leg catches first, then the next."""
+    while course.left and not halt():
+        plan = leg(course.now)
+        if not plan.caught:
+            return
+        course = course.with_leg(plan)
+        yield course
+
+
+def by_distance(leg: Leg, course: Course, halt: Halt) -> Iterator[Course]:
+    """Catch the target nearest to the hand, then the next; pass over those that no leg catches."""
+    return _greedy(leg, course, halt, distances)
+
+
+def by_time(leg: Leg, course: Course, halt: Halt) -> Iterator[Course]:
+    """Catch the target that can be met soonest, then the next; pass over as by distance."""
+    return _greedy(leg, course, halt, soonest)
+
+
+def _greedy(
+    leg: Leg, course: Course, halt: Halt, costs_of: Callable[[Any], dict[str, float]]
+) -> Iterator[Course]:
+    costs = costs_of(course.now)
+    while costs and not halt():
+        name = min(costs, key=lambda name: costs[name])
+        plan = leg(with_targets(course.now, {name}))
+        if plan.caught:
+            course = course.with_leg(plan)
+            yield course
+        if not course.left:
+            return
+        costs = costs_of(course.now) if plan.caught else {**costs, name: np.inf}
+        if min(costs.values(), default=np.inf) == np.inf:
+            return
+
+
+def distances(situation: Any) -> dict[str, float]:
+    """Return the distance of each target's centre from the hand."""
+    hand = hands_along(situation.arm, [situation.arm.joints])[0][0]
+    return {
+        body.name: float(np.linalg.norm(np.array(body.motion.position) - hand))
+        for body in situation.targets
+    }
+
+
+def bounded(leg: Leg, course: Course, halt: Halt) -> Iterator[Course]:
+    """Try orders by branch and bound, depth first, the target that can be met soonest first.
+
+    The bound counts the targets that could be met in time if nothing were in the way.
+    """
+    best = [course]
+
+    def visit(course: Course) -> Iterator[Course]:
+        if course.worth > best[0].worth:
+            best[0] = course
+            yield course
+        if not course.left or halt():
+            return
+        times = soonest(course.now)
+        most = len(course.legs) + len(times)
+        for name in sorted(times, key=lambda name: times[name]):
+            ends = course.until + max(times.values())
+            if halt() or (most, -ends) <= best[0].worth:
+                return
+            plan = leg(with_targets(course.now, {name}))
+            if plan.caught:
+                yield from visit(course.with_leg(plan))
+            else:
+                most -= 1
+
+    return visit(course)
+
+
+ORDERS: dict[str, Callable[[Leg, Course, Halt], Iterator[Course]]] = {
+    "found": as_found,
+    "distance": by_distance,
+    "time": by_time,
+    "bound": bounded,
+}
+"""Orders by name."""

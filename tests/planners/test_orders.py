@@ -1,0 +1,80 @@
+"""Orders in which several targets are caught."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from gcm_learn.families import draw
+from gcm_learn.planners import TreeSearch, plan_to_json
+from gcm_learn.planners.joints.meetings import INSTANTS, soonest
+from gcm_learn.planners.orders import ORDERS, Course, bounded, distances
+from gcm_learn.planners.sequences import joined
+from gcm_learn.referee import judge
+from gcm_learn.situation import situation_to_json
+
+LEG = TreeSearch(rounds=100).plan
+SITUATIONS = [draw("sequence-space", 9, k) for k in range(4)]
+
+
+def never():
+    """Never halt."""
+    return False
+
+
+@pytest.mark.parametrize("order", ORDERS)
+def test_courses_get_better_and_their_movement_holds(order):
+    caught = 0
+    for situation in SITUATIONS:
+        courses = list(ORDERS[order](LEG, Course(situation), never))
+        worths = [course.worth for course in courses]
+        assert worths == sorted(worths)
+        if courses:
+            plan = joined(situation, courses[-1].legs, 0.0)
+            assert plan.caught and len(plan.on_the_way) + 1 == len(courses[-1].legs)
+            assert judge(situation_to_json(situation), plan_to_json(plan, situation)) == []
+            names = {name for name, _ in plan.on_the_way} | {plan.catch_body}
+            assert len(names) == len(courses[-1].legs)
+            caught += len(names)
+    assert caught >= len(SITUATIONS)
+
+
+def test_branch_and_bound_catches_at_least_as_many_as_its_first_way_down():
+    for situation in SITUATIONS:
+        worths = [course.worth for course in bounded(LEG, Course(situation), never)]
+        greedy = list(ORDERS["time"](LEG, Course(situation), never))
+        if greedy:
+            assert worths[-1][0] >= greedy[-1].worth[0]
+
+
+def test_an_order_stops_when_time_is_up():
+    asked = []
+
+    def leg(situation):
+        asked.append(situation)
+        return LEG(situation)
+
+    for order in ORDERS.values():
+        assert list(order(leg, Course(SITUATIONS[0]), lambda: True)) == []
+    assert asked == []
+
+
+def test_what_cannot_be_reached_is_met_never_and_a_target_at_hand_at_once():
+    situation = SITUATIONS[0]
+    target = situation.targets[0]
+    place = tuple(1e3 + x for x in target.motion.position)
+    far = replace(target, motion=replace(target.motion, position=place))
+    there = soonest(situation)
+    assert target.name in there and all(0.0 < t <= situation.horizon for t in there.values())
+    others = [far if body is target else body for body in situation.bodies]
+    gone = soonest(replace(situation, bodies=tuple(others)))
+    assert target.name not in gone
+    assert gone == {name: t for name, t in there.items() if name != target.name}
+    assert INSTANTS * min(there.values()) >= situation.horizon * (1.0 - 1e-9)
+
+
+def test_distances_are_those_of_all_targets():
+    found = distances(SITUATIONS[0])
+    assert set(found) == {body.name for body in SITUATIONS[0].targets}
+    assert all(value > 0.0 for value in found.values())
