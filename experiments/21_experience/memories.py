@@ -19,6 +19,7 @@ from gcm_learn.recall import (
     Memory,
     RandomIndex,
     RecallPlanner,
+    Sizes,
     TransferLabels,
     load_encoder,
     remember,
@@ -28,6 +29,7 @@ from gcm_learn.recall import (
 from gcm_learn.recall.training import Effort, Trainer
 
 TURNS = 24  # lessons of every encoder
+LESSON = Sizes(256, 80)  # of labels; a try is dear under limits of acceleration
 SOURCES = ("stored", "synthetic")
 SEED = 0  # of synthetic movements, and of the random order
 
@@ -52,7 +54,7 @@ def train(world: World, source: str, seed: int) -> None:
     """Train an encoder on the movements of one source alone."""
     folder, records = encoder_folder(world, source, seed), world.records_of_memory
     config = EncoderConfig(seed=seed, arm=records.spec.kind.name)
-    labels = TransferLabels(records, seed, synthetic=source == "synthetic")
+    labels = TransferLabels(records, seed, synthetic=source == "synthetic", sizes=LESSON)
     trainer = Trainer(config, labels, folder / "work.tmp", Effort(turns=TURNS))
     trainer.run()
     save_encoder(trainer.encoder, folder)
