@@ -28,7 +28,7 @@ from gcm_learn.recall import (
 )
 from gcm_learn.recall.training import Effort, Trainer
 
-TURNS = 24  # lessons of every encoder
+TURNS = 12  # lessons of every encoder
 LESSON = Sizes(256, 80)  # of labels; a try is dear under limits of acceleration
 SOURCES = ("stored", "synthetic")
 SEED = 0  # of synthetic movements, and of the random order
