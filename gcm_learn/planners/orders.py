@@ -113,7 +113,8 @@ def distances(situation: Any) -> dict[str, float]:
 def bounded(leg: Leg, course: Course, halt: Halt) -> Iterator[Course]:
     """Try orders by branch and bound, depth first, the target that can be met soonest first.
 
-    The bound counts the targets that could be met in time if nothing were in the way.
+    The bound counts the targets that could be met in time if nothing were in the way.  Those for
+    which no time is known come last.
     """
     best = [course]
 
@@ -124,15 +125,14 @@ def bounded(leg: Leg, course: Course, halt: Halt) -> Iterator[Course]:
         if not course.left or halt():
             return
         times = soonest(course.now)
-        most = len(course.legs) + len(times)
-        for name in sorted(times, key=lambda name: times[name]):
-            ends = course.until + max(times.values())
-            if halt() or (most, -ends) <= best[0].worth:
+        most, last = len(course.legs) + len(times), max(times.values(), default=np.inf)
+        for name in sorted(course.left, key=lambda name: times.get(name, np.inf)):
+            if halt() or (most, -course.until - last) <= best[0].worth:
                 return
             plan = leg(with_targets(course.now, {name}))
             if plan.caught:
                 yield from visit(course.with_leg(plan))
-            else:
+            elif name in times:
                 most -= 1
 
     return visit(course)

@@ -3,27 +3,28 @@
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from gcm_learn.motion import Movement
-from gcm_learn.planners.orders import Course, with_targets
+from gcm_learn.planners.orders import Course, bounded
 from gcm_learn.planners.outside import verified_anew
-from gcm_learn.planners.plan import Deadline, Plan
+from gcm_learn.planners.plan import Deadline, Plan, deadline_of
 from gcm_learn.situation import AnySituation
+
+LEGS = 24  # that are planned without a deadline
 
 
 def caught_in_turn(
     planner: Any, situation: AnySituation, deadline: float | Deadline | None = None
 ) -> Plan:
-    """Catch targets one after the other, whichever the planner catches first.
+    """Catch targets one after the other, in an order by branch and bound.
 
-    Each leg begins where the one before ends and is planned for the targets that are left. If "all"
-    have to be caught and one is missed, another order begins with it. The whole
-    movement is verified once more.
+    Each leg begins where the one before ends and is planned for one target.  The whole movement is
+    verified once more.
 
     Parameters
     ----------
@@ -32,51 +33,28 @@ def caught_in_turn(
     situation : Situation
         Asks for "all" of its targets, or for "most" of them.
     deadline : float or Deadline, optional
-        Processor time of the whole answer [s], shared evenly among legs.
+        Processor time of the whole answer [s].  A leg that has begun is ended; without a deadline
+        at most `LEGS` are planned.
 
     Returns
     -------
     Plan
         Of the order that catches most, of these the one that ends first.
     """
-    since, targets = clock.perf_counter(), [target.name for target in situation.targets]
-    given: dict[str, Any] = {}
-    if deadline is not None:
-        shared = isinstance(deadline, int | float)
-        given["deadline"] = deadline / len(targets) if shared else deadline  # type: ignore
-    best: list[Plan] = []
-    first: str | None = None
-    for _ in targets:
-        legs = list(_legs(planner, situation, first, given))
-        if not best or _worth(legs) > _worth(best):
-            best = legs
-        caught = {leg.catch_body for leg in legs if leg.caught}
-        missed = [name for name in targets if name not in caught and name != first]
-        if situation.catch == "most" or not missed:
-            break
-        first = missed[0]
-    spent = 1e3 * (clock.perf_counter() - since)
-    return joined(situation, best, spent)
+    since, limit = clock.perf_counter(), deadline_of(deadline)
+    best, asked = Course(replace(situation, catch="most")), list[Plan]()
 
+    def leg(now: Any) -> Plan:
+        asked.append(planner.plan(now))
+        return asked[-1]
 
-def _legs(
-    planner: Any, situation: AnySituation, first: str | None, given: dict[str, Any]
-) -> Iterator[Plan]:
-    """Yield plans, each in the situation that the one before leaves; the last may be no catch."""
-    course = Course(replace(situation, catch="most"))
-    while course.left:
-        aimed = course.now if first is None else with_targets(course.now, {first})
-        plan = planner.plan(aimed, **given)
-        yield plan
-        if not plan.caught:
-            return
-        course, first = course.with_leg(plan), None
+    def halt() -> bool:
+        return len(asked) >= LEGS if limit is None else bool(asked) and limit.over
 
-
-def _worth(legs: list[Plan]) -> tuple[int, float]:
-    """Return what makes an order better: catches, then an early end."""
-    caught = [leg for leg in legs if leg.caught]
-    return len(caught), -sum(leg.catch_time or 0.0 for leg in caught)
+    for course in bounded(leg, best, halt):
+        best = course
+    legs = [*best.legs, *(plan for plan in asked if not plan.caught)]
+    return joined(situation, legs, 1e3 * (clock.perf_counter() - since))
 
 
 def joined(situation: AnySituation, legs: Sequence[Plan], spent: float) -> Plan:
