@@ -59,7 +59,7 @@ def as_html(text: str, folder: Path = HERE) -> str:
 
 
 def _figure(folder: Path) -> str:
-    wide = 520  # [px], as wide as the text
+    wide = 480  # [px], as wide as the text
     source = f"{folder.as_posix()}/\\1"
     return rf'<center><img src="{source}" width="{wide}"></center><p><i>\2</i></p>'
 

@@ -96,9 +96,9 @@ def frozen_seed() -> int:
 WORLDS = {
     world.name: world
     for world in (
-        World("space, limits", "space-accelerated", 4000, 12_000, 300, 5),
-        World("space", "space", 8000, 6000, 150, 2),
-        World("plane", "recall", 4000, 6000, 150, 2),
-        World("panda", "recall-panda", 4000, 3000, 150, 2),
+        World("space, limits", "space-accelerated", 4000, 18_500, 300, 5),
+        World("space", "space", 4000, 3000, 150, 2),
+        World("plane", "recall", 4000, 4000, 150, 2),
+        World("panda", "recall-panda", 2500, 1500, 150, 2),
     )
 }

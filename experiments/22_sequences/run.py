@@ -1,8 +1,8 @@
 """Is memory needed to catch several targets in one movement? Writes outcomes, then tables.
 
-python -m experiments 22_sequences choose       methods on validation draws, choice.json
-python -m experiments 22_sequences ask WORLD    what is missing of the fresh situations
-python -m experiments 22_sequences report       outcomes, tables, the figure
+python -m experiments 22_sequences choose [WORLD]   methods on validation draws, choice.json
+python -m experiments 22_sequences ask [WORLD]      what is missing of the fresh situations
+python -m experiments 22_sequences report           outcomes, tables, the figure
 
 WORLD is space or panda. Memories are those of `21_experience`, whose parts draw and train come
 before. What is done is kept in out/ and not done again. Ask on a machine that does nothing else.
@@ -140,12 +140,11 @@ def ask(name: str, seed: int, count: int, file: Path) -> list[list[dict[str, Any
     return [json.loads(line) for line in file.read_text("utf-8").splitlines()]
 
 
-def choose() -> None:
-    """Note which method without memory is the best for each budget, and which with memory."""
-    made: dict[str, Any] = {}
-    for name in WORLDS:
-        rows = ask(name, VALIDATION, EACH, OUT / f"validation-{name}.jsonl")
-        made[name] = best_without([row for situation in rows for row in situation])
+def choose(name: str) -> None:
+    """Note for each budget which greedy method, which without and which with memory is the best."""
+    made = json.loads(CHOICE.read_text("utf-8")) if CHOICE.exists() else {}
+    rows = ask(name, VALIDATION, EACH, OUT / f"validation-{name}.jsonl")
+    made[name] = best_without([row for situation in rows for row in situation])
     CHOICE.write_text(json.dumps(made, indent=1) + "\n", "utf-8")
 
 
@@ -155,13 +154,13 @@ def main() -> None:
     parser.add_argument("part", choices=("choose", "ask", "report"))
     parser.add_argument("world", nargs="?", choices=tuple(WORLDS), help="all by default")
     given = parser.parse_args()
-    if given.part == "choose":
-        choose()
-    elif given.part == "ask":
-        seed = int(json.loads(FROZEN.read_text("utf-8"))["seed"])
-        for name in [given.world] if given.world else WORLDS:
+    for name in [given.world] if given.world else WORLDS:
+        if given.part == "choose":
+            choose(name)
+        elif given.part == "ask":
+            seed = int(json.loads(FROZEN.read_text("utf-8"))["seed"])
             ask(name, seed, WORLDS[name].count, OUT / f"fresh-{seed}-{name}.jsonl")
-    else:
+    if given.part == "report":
         lines = [
             line
             for file in sorted(OUT.glob("fresh-*.jsonl"))
