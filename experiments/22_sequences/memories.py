@@ -1,14 +1,17 @@
-"""Planners of legs that recall, with the movements and encoders of 21_experience."""
+"""Planners of legs that recall and search, with the movements and encoders of 21_experience."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from gcm_learn import dataset
+from gcm_learn.planners import Plan
 from gcm_learn.recall import (
     HybridPlanner,
     LearnedIndex,
@@ -22,10 +25,45 @@ EXPERIENCE = Path(__file__).resolve().parents[1] / "21_experience" / "out"
 SEED = 0  # of synthetic movements, and of those that are left out
 
 
-def recalling(spec: str, source: str) -> Callable[[Any], HybridPlanner]:
-    """Return what puts movements of a source before a planner, in the order learned on them."""
-    memory = movements(spec, source)
-    return lambda fallback: HybridPlanner(RecallPlanner(memory), fallback=fallback)
+@dataclass(frozen=True)
+class After:
+    """Recalls where a search finds nothing."""
+
+    recall: RecallPlanner
+    search: Any
+
+    def plan(self, situation: Any) -> Plan:
+        """Answer a situation."""
+        plan: Plan = self.search.plan(situation)
+        return plan if plan.caught else self.recall.plan(situation)
+
+
+@dataclass(frozen=True)
+class Beside:
+    """Recalls and searches, and takes the earlier catch."""
+
+    recall: RecallPlanner
+    search: Any
+
+    def plan(self, situation: Any) -> Plan:
+        """Answer a situation."""
+        plans = (self.search.plan(situation), self.recall.plan(situation))
+        caught = [plan for plan in plans if plan.caught]
+        return min(caught, key=lambda plan: plan.catch_time, default=plans[0])
+
+
+JOINTS = {
+    "before": lambda recall, search: HybridPlanner(recall, fallback=search),
+    "after": After,
+    "beside": Beside,
+}
+"""Ways in which a memory joins a search."""
+
+
+def joined(spec: str, source: str) -> dict[str, Callable[[Any], Any]]:
+    """Return what joins movements of a source to a search, in the order learned on them."""
+    recall = RecallPlanner(movements(spec, source))
+    return {name: partial(join, recall) for name, join in JOINTS.items()}
 
 
 def movements(spec: str, source: str) -> Memory:

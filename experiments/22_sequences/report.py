@@ -17,6 +17,9 @@ from gcm_learn.evaluation.statistics import Interval
 DRAWS = 4000  # of the bootstrap
 MEMORY = "stored"  # in the name of methods that have one
 GREEDY = ("found", "distance", "time")
+GROUPS = ("greedy", "without memory", "with memory")
+DRAWN = (*(f"{order}, search" for order in (*GREEDY, "bound")), "bound, synthetic after search",
+         "bound, stored after search")  # fmt: skip
 COLOURS = {"found": "#bbbbbb", "distance": "#888888", "time": "#555555", "bound": "#20639b",
            "synthetic": "#e08e2b", "stored": "#3caea3"}  # fmt: skip
 
@@ -29,15 +32,22 @@ def best_without(rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
         for name in sorted({row["method"] for row in rows}):
             mine = [r for r in rows if r["method"] == name and r["periods"] == periods]
             shares[name] = sum(r["got"] for r in mine) / sum(r["targets"] for r in mine)
-        groups = {
-            "greedy": [name for name in shares if name.split(", ")[0] in GREEDY],
-            "without memory": [name for name in shares if MEMORY not in name],
-            "with memory": [name for name in shares if MEMORY in name],
-        }
+        kinds = (
+            [name for name in shares if name.split(", ")[0] in GREEDY],
+            [name for name in shares if MEMORY not in name],
+            [name for name in shares if MEMORY in name],
+        )
         made[str(periods)] = {
-            group: max(names, key=lambda name: shares[name]) for group, names in groups.items()
+            group: max(names, key=lambda name: shares[name])
+            for group, names in zip(GROUPS, kinds, strict=True)
         } | {"shares": {name: round(share, 3) for name, share in shares.items()}}
     return made
+
+
+def asked_of(choice: Mapping[str, Any]) -> set[str]:
+    """Return the methods that are asked: the chosen ones, their controls, and those drawn."""
+    chosen = {best[group] for best in choice.values() for group in GROUPS}
+    return {*chosen, *(name.replace(MEMORY, "synthetic") for name in chosen), *DRAWN}
 
 
 def results(folder: Path) -> dict[str, str]:
@@ -97,7 +107,7 @@ def differences(mine: Outcomes, choice: Mapping[str, Any]) -> str:
     head = ["periods", "first", "second", "points", "points with four targets"]
     lines = []
     for periods, chosen in choice.items():
-        greedy, alone, memory = (chosen[k] for k in ("greedy", "without memory", "with memory"))
+        greedy, alone, memory = (chosen[group] for group in GROUPS)
         pairs = [(memory, alone), (alone, greedy)]
         pairs += [(memory, memory.replace(MEMORY, "synthetic"))]
         for first, second in pairs:
@@ -124,10 +134,11 @@ def write_figure(file: Path, found: Outcomes) -> None:
     for ax, world in zip(axes[0], worlds, strict=True):
         mine = found.where(world=world)
         periods = np.unique(mine["periods"])
-        for name in (*(f"{g}, search" for g in (*GREEDY, "bound")), "bound, synthetic, search",
-                     "bound, stored, search"):  # fmt: skip
+        for name in DRAWN:
             shares = [100 * share(*counts(mine.where(method=name), p)).value for p in periods]
-            colour = COLOURS[name.split(", ")[-2]]
+            colour = next(
+                COLOURS[word] for word in reversed(name.replace(",", "").split()) if word in COLOURS
+            )
             ax.plot(20 * periods, shares, "o-", ms=4, color=colour, label=name)
         ax.set(xscale="log", title=world, xlabel="time to think, charged [ms]")
         ax.set_xticks(20 * periods, [f"{20 * p:.0f}" for p in periods])

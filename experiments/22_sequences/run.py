@@ -17,8 +17,8 @@ from pathlib import Path
 from time import process_time
 from typing import Any, NamedTuple
 
-from memories import recalling
-from report import best_without, write_figure
+import memories
+from report import asked_of, best_without, write_figure
 
 from experiments import recompute
 from experiments.common import outcomes
@@ -77,9 +77,9 @@ def methods(world: World) -> dict[str, tuple[str, Any]]:
     legs = {name: TreeSearch(rounds=rounds) for name, rounds in ROUNDS.items()}
     made = {f"{order}, {name}": (order, leg) for order in ORDERS for name, leg in legs.items()}
     for source in ("synthetic", "stored"):
-        before = recalling(world.spec, source)
-        for name, leg in legs.items():
-            made[f"bound, {source}, {name}"] = ("bound", before(leg))
+        for way, join in memories.joined(world.spec, source).items():
+            for name, leg in legs.items():
+                made[f"bound, {source} {way} {name}"] = ("bound", join(leg))
     return made
 
 
@@ -120,9 +120,12 @@ def answers(
             yield row
 
 
-def ask(name: str, seed: int, count: int, file: Path) -> list[list[dict[str, Any]]]:
-    """Ask all methods what is missing of some situations; return all answers."""
-    world, some = WORLDS[name], list(methods(WORLDS[name]).items())
+def ask(
+    name: str, seed: int, count: int, file: Path, names: set[str] | None = None
+) -> list[list[dict[str, Any]]]:
+    """Ask methods, by default all, what is missing of some situations; return all answers."""
+    world, made = WORLDS[name], methods(WORLDS[name])
+    some = [(method, how) for method, how in made.items() if names is None or method in names]
     file.parent.mkdir(parents=True, exist_ok=True)
     lines = file.read_text("utf-8").splitlines() if file.exists() else []
     known = {json.loads(line)[0]["situation"] for line in lines}
@@ -159,7 +162,9 @@ def main() -> None:
             choose(name)
         elif given.part == "ask":
             seed = int(json.loads(FROZEN.read_text("utf-8"))["seed"])
-            ask(name, seed, WORLDS[name].count, OUT / f"fresh-{seed}-{name}.jsonl")
+            file = OUT / f"fresh-{seed}-{name}.jsonl"
+            chosen = asked_of(json.loads(CHOICE.read_text("utf-8"))[name])
+            ask(name, seed, WORLDS[name].count, file, chosen)
     if given.part == "report":
         lines = [
             line
