@@ -35,8 +35,7 @@ class Measured(NamedTuple):
     warm: tuple[str, ...]
 
 
-IN_SPACE = tuple(name for name in family_names("spatial") if name != "sequence-space")
-"""Strata are of one catch, and all situations of the family left out ask for several."""
+IN_SPACE = tuple(family_names("spatial"))
 WITH_CHAINS = tuple(family_names("chain"))
 KINDS = {
     "planar": Measured("table.md", tuple(family_names("planar")), FRONTS, ("gate", "pendulum")),

@@ -52,7 +52,7 @@ Spatial = Situation[SpatialArm]
 
 def families() -> list[str]:
     """Names of the families with a spatial arm."""
-    return [name for name in family_names() if name.endswith("-space")]
+    return family_names("spatial")
 
 
 def drawn(family: str, index: int) -> Spatial:

@@ -37,6 +37,7 @@ def items() -> dict[str, Callable[[], list[Item]]]:
         "plane-held-out": lambda: frozen("pendulum", "long-arm", "faster"),
         "space": space,
         "space-accelerated": accelerated,
+        "space-sequences": sequences,
     } | {name: partial(preset, name) for name in presets}
 
 
@@ -58,6 +59,13 @@ def accelerated() -> list[Item]:
     shares = read_spec(SPACE_SPEC).families
     members = [families.family_from_dict({"family": s.family, **s.config}) for s in shares]
     return _free(members[k % len(members)] for k in range(10**6))
+
+
+def sequences() -> list[Item]:
+    """Return situations in space that ask for most of three to five targets."""
+    arm = {"human": 0.3, "nao": 0.3, "ramp": [0.03, 0.15], "horizon": [1.6, 2.8]}
+    family = families.family_from_dict({"family": "sequence-space", "arm": arm})
+    return _free(family for _ in range(10**6))
 
 
 def preset(name: str) -> list[Item]:

@@ -10,7 +10,13 @@ from gcm_learn.benchmark.judging import Judged, judged
 from gcm_learn.benchmark.machine import REFERENCE_MS, factor_of, machine, passes
 from gcm_learn.benchmark.results import FORMAT, PROTOCOL, our_results, read_result, write_result
 from gcm_learn.benchmark.running import run
-from gcm_learn.benchmark.standings import BUDGETS_MS, Standing, runs_by_suite, standings
+from gcm_learn.benchmark.standings import (
+    BUDGETS_MS,
+    Standing,
+    asks_for_several,
+    runs_by_suite,
+    standings,
+)
 from gcm_learn.benchmark.suites import OUTSIDE, SUITES, Suite, suite_file, suite_hash, write_suite
 
 __all__ = [
@@ -35,6 +41,7 @@ __all__ = [
     "read_result",
     "run",
     "runs_by_suite",
+    "asks_for_several",
     "standings",
     "suite_file",
     "suite_hash",

@@ -24,6 +24,8 @@ class Judged:
     catch_time: float | None
     """[s]"""
     complaints: Sequence[str] = ()
+    targets: int = 0
+    """Targets that are caught."""
 
 
 def judged(case: Case, answer: Mapping[str, Any]) -> Judged:
@@ -49,4 +51,5 @@ def judged(case: Case, answer: Mapping[str, Any]) -> Judged:
         return Judged(BROKEN, answer["ms"], answer["nodes"], None, told)
     status = solution["status"]
     time = solution["catch_time"] if status == CAUGHT else None
-    return Judged(status, answer["ms"], answer["nodes"], time)
+    targets = max(len(solution.get("catches", ())), 1) if status == CAUGHT else 0
+    return Judged(status, answer["ms"], answer["nodes"], time, targets=targets)

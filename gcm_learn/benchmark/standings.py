@@ -39,6 +39,8 @@ class Standing:
     """Mean of all answers."""
     p: float
     """Of McNemar's test against the first, corrected by Holm; NaN for the first."""
+    targets: float
+    """Share of all targets that are wanted, each for itself."""
     times_ms: tuple[float, ...]
     """Thinking times of the catches that count, in order [ms, calibrated]."""
     answers: int
@@ -137,9 +139,29 @@ def _standing(
         errors=sum(one.outcome == ERROR for one in found),
         nodes=float(np.mean([one.nodes for one in found])),
         p=p,
+        targets=sum(one.targets for one in counted) / max(_wanted(suite), 1),
         times_ms=tuple(times),
         answers=len(found),
     )
+
+
+def _wanted(suite: Loaded) -> int:
+    """Return how many targets are wanted in the situations that count."""
+    return sum(
+        _several(case.given) or 1 for case in suite.cases if case.item.stratum != UNREACHABLE
+    )
+
+
+def asks_for_several(suite: Loaded) -> bool:
+    """Return whether a situation of a suite asks for several catches."""
+    return any(_several(case.given) for case in suite.cases)
+
+
+def _several(given: Mapping[str, Any]) -> int:
+    """Return how many targets a situation wants, 0 if it wants one of them."""
+    if given.get("catch", "any") == "any":
+        return 0
+    return sum(body["role"] == "target" for body in given["bodies"])
 
 
 def _strata(suite: Loaded, found: Sequence[Judged]) -> dict[str, tuple[int, int]]:

@@ -71,6 +71,14 @@ _TABLE = (
         "need 30 to 150 ms to come to full speed, and most move at the start. " + _UNKNOWN,
     ),
     Suite(
+        "space-sequences", 1,
+        "c6a56e134131b54e2b3b6a0c93567e55ab46660d93739101af1b533a102420ed",
+        60,
+        "The family `sequence-space`, seed 30117: three to five balls fly by arms of four joints "
+        "under limits of acceleration, and most of them are to be caught. A situation counts as "
+        "caught if one of them is; the targets that are caught are counted beside it. " + _UNKNOWN,
+    ),
+    Suite(
         "panda-easy", 1,
         "62acb3e281ecb3e458bad4f1ebc2b0cf6f3c36517bee1e47fffc1996b4007e11",
         60,

@@ -127,7 +127,10 @@ SUITES: dict[str, Suite] = {
         "all families of chains, as drawn", 9112, _CHAINS, label="fast", persistent="search"
     ),
 } | {name: Suite(f"the family {name}", 9200, {name: {}}) for name in turns.FAMILIES}
-SUITES |= {name: Suite(f"the family {name}", 9200, {name: {}}, label="fast") for name in _SPACE}
+SUITES |= {
+    name: Suite(f"the family {name}", 9200, {name: {}}, label="fast")
+    for name in (*_SPACE, "sequence-space")
+}
 SUITES |= {
     name: Suite(f"the family {name}", 9200, {name: {}}, label="fast", persistent="search")
     for name in _CHAINS

@@ -93,6 +93,8 @@ class Family(Ranges):
     """Description in one line."""
     kind: ClassVar[str] = "planar"
     """Of the arm: planar or spatial."""
+    several: ClassVar[bool] = False
+    """True if every situation asks for several catches."""
 
     def draw(self, rng: np.random.Generator, name: str = "") -> AnySituation:
         """Draw a situation in which the limb touches nothing at t = 0.

@@ -63,8 +63,15 @@ _FAMILIES: dict[str, type[Family]] = {
 
 
 def family_names(kind: str | None = None) -> list[str]:
-    """Names of the registered families, or of those for "planar", "spatial" or "chain" arms."""
-    return [name for name, family in _FAMILIES.items() if kind in (None, family.kind)]
+    """Names of the registered families, or of those for "planar", "spatial" or "chain" arms.
+
+    By kind, families whose situations all ask for several catches are left out.
+    """
+    return [
+        name
+        for name, family in _FAMILIES.items()
+        if kind is None or (kind == family.kind and not family.several)
+    ]
 
 
 @functools.cache

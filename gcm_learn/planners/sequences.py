@@ -76,7 +76,9 @@ def joined(situation: AnySituation, legs: Sequence[Plan], spent: float) -> Plan:
         message = f"{len(caught)} of {len(situation.targets)} targets are caught in the best order"
         return Plan(situation.name, legs[0].planner, "unreachable", message, spent)
     moves, ends = _movement(situation, caught)
-    names = [str(leg.catch_body) for leg in caught]
+    bodies: list[str | None] = [target.name for target in situation.targets]
+    order = sorted(range(len(ends)), key=lambda k: (ends[k], bodies.index(caught[k].catch_body)))
+    names = [str(caught[k].catch_body) for k in order]  # ties in the order of the bodies
     fault, clearance = verified_anew(situation, moves, names[-1])
     if fault is not None:
         message = f"the legs do not join: {fault}"

@@ -106,6 +106,21 @@ def test_catches_promises_errors_and_refusals_are_counted(suite):
     assert slow.within[0] == 0.0 and slow.within[-1] == 1.0
 
 
+def test_targets_are_counted_where_several_are_wanted(tmp_path):
+    path, situations = tmp_path / "several.jsonl", [draw("sequence-space", 9, k) for k in range(3)]
+    lines = [json.dumps(situation_to_json(situation)) + "\n" for situation in situations]
+    path.write_text("".join(lines), "utf-8")
+    loaded = benchmark.load_suite(str(path))
+    result = benchmark.run("search", [loaded])
+    (standing,) = benchmark.standings(loaded, [(result, result["runs"][0])])
+    answers = [answer["solution"] for answer in result["runs"][0]["answers"]]
+    got = sum(len(answer["catches"]) for answer in answers)
+    wanted = sum(len(situation.targets) for situation in situations)
+    assert benchmark.asks_for_several(loaded) and standing.broken == 0
+    assert standing.targets == got / wanted and 0.5 < standing.targets <= 1.0
+    assert not benchmark.asks_for_several(benchmark.load_suite("plane"))
+
+
 def test_each_situation_is_asked_once_after_the_warm_up(suite):
     asked = []
 

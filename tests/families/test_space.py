@@ -38,7 +38,7 @@ from gcm_learn.situation import (
     situation_to_json,
 )
 
-NAMES = family_names("spatial")
+NAMES = [*family_names("spatial"), "sequence-space"]
 
 
 def of_arm(name, **shares):

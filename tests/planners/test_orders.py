@@ -9,7 +9,7 @@ import pytest
 from gcm_learn.families import draw
 from gcm_learn.planners import TreeSearch, plan_to_json
 from gcm_learn.planners.joints.meetings import INSTANTS, soonest
-from gcm_learn.planners.orders import ORDERS, Course, bounded, distances
+from gcm_learn.planners.orders import ORDERS, Course, bounded, distances, with_targets
 from gcm_learn.planners.sequences import joined
 from gcm_learn.referee import judge
 from gcm_learn.situation import situation_to_json
@@ -78,3 +78,19 @@ def test_distances_are_those_of_all_targets():
     found = distances(SITUATIONS[0])
     assert set(found) == {body.name for body in SITUATIONS[0].targets}
     assert all(value > 0.0 for value in found.values())
+
+
+def test_targets_caught_at_once_are_told_in_the_order_of_the_bodies():
+    situation = draw("sequence-space", 9, 0)
+    first = LEG(with_targets(situation, {situation.targets[0].name}))
+    assert first.caught
+    last = situation.targets[0]
+    twin = replace(last, name="twin")
+    both = replace(situation, bodies=(twin, *situation.bodies))
+    for names in (["twin", last.name], [last.name, "twin"]):
+        course = Course(both)
+        for name in names:
+            course = course.with_leg(LEG(with_targets(course.now, {name})))
+        plan = joined(both, course.legs, 0.0)
+        assert judge(situation_to_json(both), plan_to_json(plan, both)) == []
+        assert [plan.on_the_way[0][0], plan.catch_body] == ["twin", last.name]

@@ -23,6 +23,7 @@ class SequenceSpace(SpatialFamily):
 
     name = "sequence-space"
     summary = "three to five balls that fly by, as many as possible to be caught in one movement"
+    several = True
 
     targets: Counts = counts(3, 5, 1)
     """Number of balls."""

@@ -13,6 +13,7 @@ from gcm_learn.benchmark import (
     SUITES,
     Loaded,
     Standing,
+    asks_for_several,
     load_suite,
     runs_by_suite,
     standings,
@@ -100,6 +101,9 @@ def _section(suite: Loaded, methods: Sequence[Standing]) -> Section:
     told = f"{len(suite.cases)} situations, hash `{suite.sha256[:16]}`."
     card = told if known is None else f"{known.card} {told} Licence: {known.licence}."
     tables = [Table(COLUMNS, [_row(one) for one in methods])]
+    if asks_for_several(suite):
+        rows = [[one.method, f"{100 * one.targets:.1f}"] for one in methods]
+        tables.append(Table(("method", "targets caught [%]"), rows))
     if set(methods[0].strata) != {""}:
         tables.append(_strata(methods))
     return Section(suite.name, heading, [card], tables)
