@@ -4,7 +4,7 @@ python -m experiments 21_experience draw [WORLD]     records and fresh situation
 python -m experiments 21_experience train [WORLD]    the encoders, one after the other
 python -m experiments 21_experience ask [WORLD]      the answers, then the outcomes
 
-What is done is kept in out/ and not done again. Ask on a machine that does nothing else.
+Finished parts are kept in out/ and not repeated. Ask on a machine that does nothing else.
 """
 
 from __future__ import annotations

@@ -15,6 +15,7 @@ from experiments.common.tables import percent, points, sections, table
 from gcm_learn.evaluation.statistics import Interval
 
 DRAWS = 4000  # of the bootstrap
+PERIOD = 20  # of perception [ms]
 MEMORY = "stored"  # in the name of methods that have one
 GREEDY = ("found", "distance", "time")
 GROUPS = ("greedy", "without memory", "with memory")
@@ -69,7 +70,7 @@ def results(folder: Path) -> dict[str, str]:
 def caught(mine: Outcomes) -> str:
     """Return how many of the targets each method catches, by periods of thinking."""
     periods = np.unique(mine["periods"])
-    head = ["method", *(f"{p:.0f} periods" for p in periods), "complaints"]
+    head = ["method", *(f"{PERIOD * p:.0f} ms" for p in periods), "complaints"]
     lines = []
     for name in mine.methods():
         some = mine.where(method=name)
@@ -104,15 +105,15 @@ def share(got: np.ndarray, targets: np.ndarray) -> Interval:
 
 def differences(mine: Outcomes, choice: Mapping[str, Any]) -> str:
     """Return differences between methods chosen on validation draws, all targets and four."""
-    head = ["periods", "first", "second", "points", "points with four targets"]
+    head = ["charged [ms]", "first", "second", "points", "points with four targets"]
     lines = []
     for periods, chosen in choice.items():
         greedy, alone, memory = (chosen[group] for group in GROUPS)
         pairs = [(memory, alone), (alone, greedy)]
         pairs += [(memory, memory.replace(MEMORY, "synthetic"))]
-        for first, second in pairs:
+        for first, second in dict.fromkeys(pairs):
             cells = [gap(mine, first, second, float(periods), four) for four in (False, True)]
-            lines.append([periods, first, second, *cells])
+            lines.append([f"{PERIOD * float(periods):.0f}", first, second, *cells])
     return table(head, lines)
 
 
@@ -139,12 +140,12 @@ def write_figure(file: Path, found: Outcomes) -> None:
             colour = next(
                 COLOURS[word] for word in reversed(name.replace(",", "").split()) if word in COLOURS
             )
-            ax.plot(20 * periods, shares, "o-", ms=4, color=colour, label=name)
-        ax.set(xscale="log", title=world, xlabel="time to think, charged [ms]")
-        ax.set_xticks(20 * periods, [f"{20 * p:.0f}" for p in periods])
+            ax.plot(PERIOD * periods, shares, "o-", ms=4, color=colour, label=name)
+        ax.set(xscale="log", title=world, xlabel="time to think, charged [ms]", ylim=(0, 100))
+        ax.set_xticks(PERIOD * periods, [f"{PERIOD * p:.0f}" for p in periods])
         ax.minorticks_off()
         ax.grid(alpha=0.25)
     axes[0, 0].set_ylabel("targets caught [%]")
-    axes[0, -1].legend(fontsize=8)
+    axes[0, -1].legend(fontsize=8, loc="lower right")
     figure.savefig(file, dpi=110)
     plt.close(figure)

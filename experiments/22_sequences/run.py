@@ -4,8 +4,8 @@ python -m experiments 22_sequences choose [WORLD]   methods on validation draws,
 python -m experiments 22_sequences ask [WORLD]      what is missing of the fresh situations
 python -m experiments 22_sequences report           outcomes, tables, the figure
 
-WORLD is space or panda. Memories are those of `21_experience`, whose parts draw and train come
-before. What is done is kept in out/ and not done again. Ask on a machine that does nothing else.
+WORLD is space or panda. The memories come from `21_experience`: its parts draw and train go
+before. Finished parts are kept in out/ and not repeated. Ask on a machine that does nothing else.
 """
 
 from __future__ import annotations

@@ -33,7 +33,7 @@ class Course(NamedTuple):
 
     @property
     def worth(self) -> tuple[int, float]:
-        """What makes a course better: catches, then an early end."""
+        """Number of catches, then how early the last one is; larger is better."""
         return len(self.legs), -self.until
 
     @property
