@@ -32,25 +32,28 @@ PAIRS = {
     ),
 }
 FRONTS = ("synthetic, random", "synthetic, learned", "stored, random", "stored, learned")
+TITLES = {"space, limits": "space, limits of acceleration", "plane": "plane", "space": "space",
+          "panda": "Panda"}  # fmt: skip
 COLOURS = {"stored": "#20639b", "synthetic": "#e08e2b", "search": "#777777"}
 
 
 def results(folder: Path) -> dict[str, str]:
     """Return the tables of the outcomes."""
     found = read(folder / "outcomes.csv.gz")
-    tables: dict[str, str] = {}
+    tables = {
+        "Differences within 20 ms": differences(found, "short"),
+        "Differences within half the median time of the search": differences(found, "half"),
+        "Time to the first catch": times(found),
+    }
     for world in worlds(found):
         mine = found.where(world=world, budget="short")
         tables[f"{world}: ready within 20 ms"] = caught(mine)
-    tables["Differences within 20 ms"] = differences(found, "short")
-    tables["Differences within half the median time of the search"] = differences(found, "half")
-    tables["Time to the first catch"] = times(found)
     return {"table.md": sections(tables)}
 
 
 def worlds(found: Outcomes) -> list[str]:
     """Return the worlds, that of the hypothesis first."""
-    return sorted(set(found["world"].tolist()), key=lambda name: (name != "space, limits", name))
+    return sorted(set(found["world"].tolist()), key=list(TITLES).index)
 
 
 def by_seed(some: Outcomes, column: str, name: str) -> np.ndarray:
@@ -164,7 +167,7 @@ def write_figure(file: Path, found: Outcomes) -> None:
             style = "-" if order in ("", "learned") else ":"
             ax.plot(at, shares, style, color=COLOURS[source], label=name)
         ax.axvline(20.0, color="black", lw=0.6)
-        ax.set(xscale="log", title=world, xlabel="time to think [ms]", ylim=(0, 100))
+        ax.set(xscale="log", title=TITLES[world], xlabel="time to think [ms]", ylim=(0, 100))
         ax.grid(alpha=0.25)
     np.atleast_1d(axes)[0].set_ylabel("first catch is there [%]")
     np.atleast_1d(axes)[-1].legend(fontsize=8, loc="lower right")
