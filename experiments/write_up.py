@@ -11,12 +11,14 @@ from __future__ import annotations
 
 import argparse
 import re
+from collections.abc import Callable
 from datetime import UTC, datetime
 from pathlib import Path
 
 import matplotlib
 from fpdf import FPDF, FontFace, TextStyle
 from markdown_it import MarkdownIt
+from PIL import Image
 
 from experiments.common.cells import number_at
 
@@ -26,6 +28,7 @@ NUMBER = re.compile(r"\{\{(\S+): ([^;}]+?)(?:; ?(%?)(\d))?\}\}")
 FONTS = Path(matplotlib.get_data_path()) / "fonts" / "ttf"
 SIZE, MARGIN = 9.0, 19.0  # of the text [pt], of the page [mm]
 GREY = (70, 70, 70)
+WIDE = 1.6  # width over height from which a figure is as wide as the text
 
 
 def filled(text: str, folder: Path = HERE) -> str:
@@ -58,10 +61,17 @@ def as_html(text: str, folder: Path = HERE) -> str:
     return re.sub(r"</?t(?:head|body)>", "", html)
 
 
-def _figure(folder: Path) -> str:
-    wide = 480  # [px], as wide as the text
-    source = f"{folder.as_posix()}/\\1"
-    return rf'<center><img src="{source}" width="{wide}"></center><p><i>\2</i></p>'
+def _figure(folder: Path) -> Callable[[re.Match[str]], str]:
+    def shown(match: re.Match[str]) -> str:
+        file, words = folder / match[1], match[2]
+        with Image.open(file) as picture:
+            wide = 480 if picture.width > WIDE * picture.height else 300  # [px]
+        return (
+            f'<center><img src="{file.as_posix()}" width="{wide}"></center>'
+            f'<p><font color="#464646">{words}</font></p>'
+        )
+
+    return shown
 
 
 def write_pdf(html: str, file: Path) -> int:
