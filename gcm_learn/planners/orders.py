@@ -110,13 +110,13 @@ def distances(situation: Any) -> dict[str, float]:
     }
 
 
-def bounded(leg: Leg, course: Course, halt: Halt) -> Iterator[Course]:
+def bounded(leg: Leg, course: Course, halt: Halt, known: Course | None = None) -> Iterator[Course]:
     """Try orders by branch and bound, depth first, the target that can be met soonest first.
 
     The bound counts the targets that could be met in time if nothing were in the way.  Those for
-    which no time is known come last.
+    which no time is known come last.  Only courses better than a known one are yielded.
     """
-    best = [course]
+    best = [known or course]
 
     def visit(course: Course) -> Iterator[Course]:
         if course.worth > best[0].worth:

@@ -10,7 +10,7 @@ from gcm_learn.families import draw
 from gcm_learn.planners import TreeSearch, plan_to_json
 from gcm_learn.planners.joints.meetings import INSTANTS, soonest
 from gcm_learn.planners.orders import ORDERS, Course, bounded, distances, with_targets
-from gcm_learn.planners.sequences import joined
+from gcm_learn.planners.sequences import SHORT, caught_in_turn, joined
 from gcm_learn.referee import judge
 from gcm_learn.situation import situation_to_json
 
@@ -94,3 +94,23 @@ def test_targets_caught_at_once_are_told_in_the_order_of_the_bodies():
         plan = joined(both, course.legs, 0.0)
         assert judge(situation_to_json(both), plan_to_json(plan, both)) == []
         assert [plan.on_the_way[0][0], plan.catch_body] == ["twin", last.name]
+
+
+def test_with_more_time_orders_are_tried_again_with_longer_legs():
+    situation, given = SITUATIONS[0], []
+
+    class Counting:
+        anytime = True
+
+        def plan(self, now, deadline=None):
+            given.append(deadline)
+            return LEG(now)
+
+    plan = caught_in_turn(Counting(), situation, 0.5)
+    assert plan.caught and judge(situation_to_json(situation), plan_to_json(plan, situation)) == []
+    assert given[0] == SHORT and given == sorted(given) and given[-1] > SHORT
+
+
+def test_only_courses_better_than_a_known_one_are_told():
+    best = list(bounded(LEG, Course(SITUATIONS[0]), never))[-1]
+    assert list(bounded(LEG, Course(SITUATIONS[0]), never, best)) == []
