@@ -188,7 +188,7 @@ def compare(seed, count):
 
 
 def test_verification_and_referee_agree():
-    answers = compare(31, 400)
+    answers = compare(31, 250)
     for which in ("low", "high", "rate", "bend", "hand", "grasp", "room", "horizon"):
         assert answers[which, True] > 3, which
         assert answers[which, False] > 3, which

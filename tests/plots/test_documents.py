@@ -36,7 +36,8 @@ def test_a_shown_case_needs_more_than_a_straight_line():
     assert len(ax.patches) >= 4 * bodies  # at four instants
 
 
-@pytest.mark.parametrize("frames", [3, pytest.param(24, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("frames", [3, 24])
 def test_gallery_writes_readable_pictures(frames, tmp_path, monkeypatch):
     monkeypatch.setattr(solid_documents, "FRAMES", frames)
     files = write_gallery(tmp_path / "images")
