@@ -2,6 +2,7 @@
 
 python -m experiments 22_sequences choose [WORLD]   methods on validation draws, choice.json
 python -m experiments 22_sequences ask [WORLD]      what is missing of the fresh situations
+python -m experiments 22_sequences later [WORLD]    a method that was added afterwards
 python -m experiments 22_sequences report           outcomes, tables, the figure
 
 WORLD is space or panda. The memories come from `21_experience`: its parts draw and train go
@@ -26,7 +27,7 @@ from experiments.common.charging import after
 from experiments.common.judging import complaints
 from gcm_learn.families import draw, family_from_dict
 from gcm_learn.families.family import Family
-from gcm_learn.planners import Deadline, Plan, TreeSearch
+from gcm_learn.planners import Deadline, Plan, TreeSearch, get_planner
 from gcm_learn.planners.orders import ORDERS, Course
 from gcm_learn.planners.sequences import joined
 
@@ -38,6 +39,8 @@ VALIDATION, EACH = 1522, 60  # seed and situations by which the best without mem
 WARM = 3  # situations that are asked first and not counted
 PERIODS = (1, 2, 5, 10)  # of thinking that are charged
 PERIOD = 0.02  # [s]
+LATER = "grow, search"
+"""Method of `gcm-learn solve --deadline`, which was made after the fresh situations were seen."""
 ROUNDS = {"search": 375, "short search": 94}  # postures of a leg's search
 
 
@@ -75,12 +78,13 @@ def drawn(world: World, seed: int) -> Iterator[tuple[int, Any]]:
 def methods(world: World) -> dict[str, tuple[str, Any]]:
     """Return the order and the planner of legs of all methods by name."""
     legs = {name: TreeSearch(rounds=rounds) for name, rounds in ROUNDS.items()}
-    made = {f"{order}, {name}": (order, leg) for order in ORDERS for name, leg in legs.items()}
+    orders = [order for order in ORDERS if order != "grow"]
+    made = {f"{order}, {name}": (order, leg) for order in orders for name, leg in legs.items()}
     for source in ("synthetic", "stored"):
         for way, join in memories.joined(world.spec, source).items():
             for name, leg in legs.items():
                 made[f"bound, {source} {way} {name}"] = ("bound", join(leg))
-    return made
+    return made | {LATER: ("grow", get_planner("search"))}
 
 
 def answer(order: str, leg: Any, situation: Any, budget: float) -> tuple[Plan | None, int]:
@@ -123,9 +127,10 @@ def answers(
 def ask(
     name: str, seed: int, count: int, file: Path, names: set[str] | None = None
 ) -> list[list[dict[str, Any]]]:
-    """Ask methods, by default all, what is missing of some situations; return all answers."""
+    """Ask methods, by default all but `LATER`, what is missing; return all answers."""
     world, made = WORLDS[name], methods(WORLDS[name])
-    some = [(method, how) for method, how in made.items() if names is None or method in names]
+    names = made.keys() - {LATER} if names is None else names
+    some = [(method, how) for method, how in made.items() if method in names]
     file.parent.mkdir(parents=True, exist_ok=True)
     lines = file.read_text("utf-8").splitlines() if file.exists() else []
     known = {json.loads(line)[0]["situation"] for line in lines}
@@ -154,17 +159,18 @@ def choose(name: str) -> None:
 def main() -> None:
     """Do one of the parts."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("part", choices=("choose", "ask", "report"))
+    parser.add_argument("part", choices=("choose", "ask", "later", "report"))
     parser.add_argument("world", nargs="?", choices=tuple(WORLDS), help="all by default")
     given = parser.parse_args()
     for name in [given.world] if given.world else WORLDS:
         if given.part == "choose":
             choose(name)
-        elif given.part == "ask":
+        elif given.part in ("ask", "later"):
             seed = int(json.loads(FROZEN.read_text("utf-8"))["seed"])
-            file = OUT / f"fresh-{seed}-{name}.jsonl"
+            file = OUT / f"fresh-{seed}-{name}-{given.part}.jsonl"
             chosen = asked_of(json.loads(CHOICE.read_text("utf-8"))[name])
-            ask(name, seed, WORLDS[name].count, file, chosen)
+            names = chosen if given.part == "ask" else {LATER}
+            ask(name, seed, WORLDS[name].count, file, names)
     if given.part == "report":
         lines = [
             line

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,8 +17,10 @@ from gcm_learn.planners.joints.meetings import soonest
 from gcm_learn.planners.plan import Plan
 from gcm_learn.scene import later
 
-Leg = Callable[[Any], Plan]
-"""Plans one catch; its situation has the targets that it may catch."""
+SHORT, GROWTH, LONG = 0.002, 3.0, 1.0
+"""Time of a leg at first [s], by how much it grows, and from when on it is enough [s]."""
+Leg = Callable[..., Plan]
+"""Plans one catch, of the targets that its situation has.  `growing` gives a `deadline`."""
 Halt = Callable[[], bool]
 """Tells whether time is up."""
 
@@ -138,10 +141,21 @@ def bounded(leg: Leg, course: Course, halt: Halt, known: Course | None = None) -
     return visit(course)
 
 
+def growing(leg: Leg, course: Course, halt: Halt) -> Iterator[Course]:
+    """Try orders as `bounded` does, again and again, each time with more time for a leg."""
+    best, seconds = course, SHORT
+    while seconds < LONG and not halt():
+        for better in bounded(partial(leg, deadline=seconds), course, halt, best):
+            best = better
+            yield better
+        seconds *= GROWTH
+
+
 ORDERS: dict[str, Callable[[Leg, Course, Halt], Iterator[Course]]] = {
     "found": as_found,
     "distance": by_distance,
     "time": by_time,
     "bound": bounded,
+    "grow": growing,
 }
 """Orders by name."""

@@ -10,14 +10,12 @@ from typing import Any
 import numpy as np
 
 from gcm_learn.motion import Movement
-from gcm_learn.planners.orders import Course, bounded
+from gcm_learn.planners.orders import Course, bounded, growing
 from gcm_learn.planners.outside import verified_anew
 from gcm_learn.planners.plan import Deadline, Plan, deadline_of
 from gcm_learn.situation import AnySituation
 
 LEGS = 24  # that are planned without a deadline
-SHORT, GROWTH, LONG = 0.002, 3.0, 1.0
-"""Time of a leg at first [s], by how much it grows, and from when on it is enough [s]."""
 
 
 def caught_in_turn(
@@ -36,8 +34,8 @@ def caught_in_turn(
         Asks for "all" of its targets, or for "most" of them.
     deadline : float or Deadline, optional
         Processor time of the whole answer [s].  A leg that has begun is ended.  Legs of a planner
-        that is `Anytime` have `SHORT` seconds at first.  When all orders are tried, they are tried
-        again with more.  Without a deadline at most `LEGS` legs are planned.
+        that is `Anytime` have little time at first, see `orders.growing`.  Without a deadline
+        at most `LEGS` legs are planned.
 
     Returns
     -------
@@ -45,26 +43,19 @@ def caught_in_turn(
         Of the order that catches most, of these the one that ends first.
     """
     since, limit = clock.perf_counter(), deadline_of(deadline)
-    best = start = Course(replace(situation, catch="most"))
-    asked, given = list[Plan](), dict[str, Any]()
-    hurried = limit is not None and getattr(planner, "anytime", False)
-    if hurried:
-        given["deadline"] = SHORT
+    best = Course(replace(situation, catch="most"))
+    order = growing if limit is not None and getattr(planner, "anytime", False) else bounded
+    asked: list[Plan] = []
 
-    def leg(now: Any) -> Plan:
+    def leg(now: Any, **given: Any) -> Plan:
         asked.append(planner.plan(now, **given))
         return asked[-1]
 
     def halt() -> bool:
         return len(asked) >= LEGS if limit is None else bool(asked) and limit.over
 
-    again = True
-    while again:
-        for course in bounded(leg, start, halt, best):
-            best = course
-        again = hurried and not halt() and given["deadline"] < LONG
-        if again:
-            given["deadline"] *= GROWTH
+    for course in order(leg, best, halt):
+        best = course
     legs = [*best.legs, *(plan for plan in asked if not plan.caught)]
     return joined(situation, legs, 1e3 * (clock.perf_counter() - since))
 

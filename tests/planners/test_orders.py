@@ -9,8 +9,8 @@ import pytest
 from gcm_learn.families import draw
 from gcm_learn.planners import TreeSearch, plan_to_json
 from gcm_learn.planners.joints.meetings import INSTANTS, soonest
-from gcm_learn.planners.orders import ORDERS, Course, bounded, distances, with_targets
-from gcm_learn.planners.sequences import SHORT, caught_in_turn, joined
+from gcm_learn.planners.orders import ORDERS, SHORT, Course, bounded, distances, with_targets
+from gcm_learn.planners.sequences import caught_in_turn, joined
 from gcm_learn.referee import judge
 from gcm_learn.situation import situation_to_json
 
@@ -23,7 +23,7 @@ def never():
     return False
 
 
-@pytest.mark.parametrize("order", ORDERS)
+@pytest.mark.parametrize("order", ["found", "distance", "time", "bound"])
 def test_courses_get_better_and_their_movement_holds(order):
     caught = 0
     for situation in SITUATIONS:
