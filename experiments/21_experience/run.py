@@ -10,8 +10,7 @@ Finished parts are kept in out/ and not repeated. Ask on a machine that does not
 from __future__ import annotations
 
 import argparse
-import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import islice
 from pathlib import Path
 from time import process_time
@@ -22,8 +21,7 @@ from memories import Method, methods, train_all, without_memory
 from report import write_figure
 from worlds import OUT, WORLDS, World
 
-from experiments import recompute
-from experiments.common import outcomes
+from experiments.common.asking import ask_in_turns, publish
 from experiments.common.charging import after
 from experiments.common.judging import Referee, judged
 from experiments.common.questions import Question
@@ -35,21 +33,16 @@ WARM = 3  # situations that are asked first and not counted
 
 def ask(world: World) -> None:
     """Ask all methods what is missing."""
-    path = OUT / "answers" / f"{world.spec}.jsonl"
-    path.parent.mkdir(parents=True, exist_ok=True)
-    lines = path.read_text("utf-8").splitlines() if path.exists() else []
-    known = {json.loads(line)[0]["situation"] for line in lines}
     mine, fresh = list(methods(world)), list(world.fresh())
     half = hurry(world)
+
+    def both(number: int, question: Question, asked: Sequence[Method]) -> Iterator[dict[str, Any]]:
+        return answers(world, question, asked, half, Referee())
+
     for question in fresh[:WARM]:  # kernels are loaded now
-        list(answers(world, question, mine, half, Referee()))
-    with path.open("a", encoding="utf-8") as stream:
-        for number, question in enumerate(fresh):
-            if question.index not in known:
-                turn = number % len(mine)  # nobody is always the first
-                rows = list(answers(world, question, mine[turn:] + mine[:turn], half, Referee()))
-                stream.write(json.dumps(rows) + "\n")
-                stream.flush()
+        list(both(question.index, question, mine))
+    cases = [(question.index, question) for question in fresh]
+    ask_in_turns(OUT / "answers" / f"{world.spec}.jsonl", cases, mine, both)
 
 
 def hurry(world: World) -> float:
@@ -63,7 +56,7 @@ def hurry(world: World) -> float:
 
 
 def answers(
-    world: World, question: Question, asked: list[Method], half: float, referee: Referee
+    world: World, question: Question, asked: Sequence[Method], half: float, referee: Referee
 ) -> Iterator[dict[str, Any]]:
     """Yield the outcomes of a situation with both budgets."""
     for name, budget in (("short", SHORT), ("half", half)):
@@ -97,12 +90,7 @@ def main() -> None:
         else:
             ask(world)
     if given.part == "ask":
-        files = sorted((OUT / "answers").glob("*.jsonl"))
-        lines = [line for file in files for line in file.read_text("utf-8").splitlines()]
-        rows = [row for line in lines for row in json.loads(line)]
-        outcomes.write(HERE / "outcomes.csv.gz", rows)
-        recompute.update(HERE)
-        write_figure(HERE / "figure.png", outcomes.read(HERE / "outcomes.csv.gz"))
+        publish(HERE, sorted((OUT / "answers").glob("*.jsonl")), write_figure)
 
 
 if __name__ == "__main__":

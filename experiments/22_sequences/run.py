@@ -13,7 +13,8 @@ from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from itertools import islice
 from pathlib import Path
 from time import process_time
 from typing import Any, NamedTuple
@@ -21,8 +22,7 @@ from typing import Any, NamedTuple
 import memories
 from report import asked_of, best_without, write_figure
 
-from experiments import recompute
-from experiments.common import outcomes
+from experiments.common.asking import ask_in_turns, publish, rows_of
 from experiments.common.charging import after
 from experiments.common.judging import complaints
 from gcm_learn.families import draw, family_from_dict
@@ -105,7 +105,7 @@ def answer(order: str, leg: Any, situation: Any, budget: float) -> tuple[Plan | 
 
 
 def answers(
-    situation: Any, asked: list[tuple[str, tuple[str, Any]]], number: int
+    number: int, situation: Any, asked: Sequence[tuple[str, tuple[str, Any]]]
 ) -> Iterator[dict[str, Any]]:
     """Yield the outcomes of all methods with all budgets."""
     about = {"situation": number, "targets": len(situation.targets), "stratum": "", "family": ""}
@@ -124,35 +124,27 @@ def answers(
             yield row
 
 
-def ask(
-    name: str, seed: int, count: int, file: Path, names: set[str] | None = None
-) -> list[list[dict[str, Any]]]:
-    """Ask methods, by default all but `LATER`, what is missing; return all answers."""
+def ask(name: str, seed: int, count: int, file: Path, names: set[str] | None = None) -> None:
+    """Ask methods, by default all but `LATER`, what is missing."""
     world, made = WORLDS[name], methods(WORLDS[name])
     names = made.keys() - {LATER} if names is None else names
     some = [(method, how) for method, how in made.items() if method in names]
-    file.parent.mkdir(parents=True, exist_ok=True)
-    lines = file.read_text("utf-8").splitlines() if file.exists() else []
-    known = {json.loads(line)[0]["situation"] for line in lines}
-    source = drawn(world, seed)
-    cases = [next(source) for _ in range(WARM + count)]
+    cases = list(islice(drawn(world, seed), WARM + count))
+
+    def named(number: int, situation: Any, asked: Any) -> Iterator[dict[str, Any]]:
+        return (row | {"world": name} for row in answers(number, situation, asked))
+
     for number, situation in cases[:WARM]:  # kernels are loaded now
-        list(answers(situation, some, number))
-    with file.open("a", encoding="utf-8") as stream:
-        for k, (number, situation) in enumerate(cases[WARM:]):
-            if number not in known:
-                turn = k % len(some)  # nobody is always the first
-                rows = list(answers(situation, some[turn:] + some[:turn], number))
-                stream.write(json.dumps([row | {"world": name} for row in rows]) + "\n")
-                stream.flush()
-    return [json.loads(line) for line in file.read_text("utf-8").splitlines()]
+        list(named(number, situation, some))
+    ask_in_turns(file, cases[WARM:], some, named)
 
 
 def choose(name: str) -> None:
     """Note for each budget which greedy method, which without and which with memory is the best."""
     made = json.loads(CHOICE.read_text("utf-8")) if CHOICE.exists() else {}
-    rows = ask(name, VALIDATION, EACH, OUT / f"validation-{name}.jsonl")
-    made[name] = best_without([row for situation in rows for row in situation])
+    file = OUT / f"validation-{name}.jsonl"
+    ask(name, VALIDATION, EACH, file)
+    made[name] = best_without(rows_of([file]))
     CHOICE.write_text(json.dumps(made, indent=1) + "\n", "utf-8")
 
 
@@ -168,19 +160,14 @@ def main() -> None:
         elif given.part in ("ask", "later"):
             seed = int(json.loads(FROZEN.read_text("utf-8"))["seed"])
             file = OUT / f"fresh-{seed}-{name}-{given.part}.jsonl"
-            chosen = asked_of(json.loads(CHOICE.read_text("utf-8"))[name])
+            choice = json.loads(CHOICE.read_text("utf-8")).get(name)
+            if choice is None:
+                parser.error(f"{name}: no methods are chosen yet; `choose {name}` comes before")
+            chosen = asked_of(choice)
             names = chosen if given.part == "ask" else {LATER}
             ask(name, seed, WORLDS[name].count, file, names)
     if given.part == "report":
-        lines = [
-            line
-            for file in sorted(OUT.glob("fresh-*.jsonl"))
-            for line in file.read_text("utf-8").splitlines()
-        ]
-        rows = [row for line in lines for row in json.loads(line)]
-        outcomes.write(HERE / "outcomes.csv.gz", rows)
-        recompute.update(HERE)
-        write_figure(HERE / "figure.png", outcomes.read(HERE / "outcomes.csv.gz"))
+        publish(HERE, sorted(OUT.glob("fresh-*.jsonl")), write_figure)
 
 
 if __name__ == "__main__":
