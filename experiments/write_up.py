@@ -116,7 +116,10 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("file", nargs="?", type=Path, default=PDF)
     file = parser.parse_args().file
-    pages = write_pdf(as_html(filled(TEXT.read_text("utf-8"))), file)
+    try:
+        pages = write_pdf(as_html(filled(TEXT.read_text("utf-8"))), file)
+    except (LookupError, OSError) as error:
+        parser.error(str(error))
     print(f"{file}: {pages} pages")
 
 
