@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import partial
 from pathlib import Path
 
@@ -30,22 +30,25 @@ from gcm_learn.recall import (
 STEPS = 750  # of the regressor's optimiser: as many as an encoder takes
 
 
-def equal(records: Dataset, out: Path) -> Iterator[Entrant]:
+def equal(
+    records: Dataset, out: Path, seeds: Sequence[int] = SEEDS, sizes: Sequence[int] = SIZES
+) -> Iterator[Entrant]:
     """Yield the same N catches, filed by their own encoder, by raw parameters and at random."""
-    for seed in SEEDS:
-        for size in SIZES:
+    for seed in seeds:
+        for size in sizes:
             filed = partial(_filed, records, size, seed)
             yield Entrant(f"raw-{size}", seed, partial(filed, "raw"))
-            if seed == SEEDS[0]:
+            if seed == seeds[0]:
                 yield Entrant(f"random-{size}", seed, partial(filed, RandomIndex()))
-            yield _trained(f"learned-{size}", out, f"strict-{size}", seed)
+            yield encoded(f"learned-{size}", out, f"strict-{size}", seed)
 
 
 def _filed(records: Dataset, size: int, seed: int, index: Index | str) -> Ask:
     return by(remember(experience(drawn_from(records, size), size, seed), index))
 
 
-def _trained(method: str, out: Path, name: str, seed: int, index: Index | None = None) -> Entrant:
+def encoded(method: str, out: Path, name: str, seed: int, index: Index | None = None) -> Entrant:
+    """Return the memories that an encoder was trained on, filed by it or by another index."""
     folder = out / "encoders" / f"{name}-{seed}"
     return Entrant(method, seed, lambda: by(paths_of(folder, index)))
 
@@ -54,16 +57,16 @@ def needed(records: Dataset, out: Path) -> Iterator[Entrant]:
     """Yield substitutes for a memory, learned from the same labels."""
     for seed in FEW:
         name = f"prototypes-{PROTOTYPES}"
-        yield _trained("prototypes", out, name, seed)
-        yield _trained("prototypes, random", out, name, seed, RandomIndex())
+        yield encoded("prototypes", out, name, seed)
+        yield encoded("prototypes, random", out, name, seed, RandomIndex())
         yield Entrant("regressor", seed, partial(_regressor, out, seed))
 
 
 def resting(records: Dataset, out: Path) -> Iterator[Entrant]:
     """Yield encoders and memories of situations at rest, and of the same amount in motion."""
     for seed in REST:
-        yield _trained("at rest", out, f"still-{STILL}", seed)
-        yield _trained("in motion", out, f"strict-{STILL}", seed)
+        yield encoded("at rest", out, f"still-{STILL}", seed)
+        yield encoded("in motion", out, f"strict-{STILL}", seed)
 
 
 def shipped(records: Dataset, out: Path) -> Iterator[Entrant]:

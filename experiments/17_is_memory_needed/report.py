@@ -39,7 +39,7 @@ INSTEAD = {
     "1,000 memories, learned": "learned-1000",
 }
 BARS = ("memories", "prototypes", "any of them", "regressor")
-SUITES = {"": "frozen.json", "-space": "frozen-space.json"}
+SUITES = {name: f"frozen{name}.json" for name in ("", "-space", "-longer")}
 """Files with the seeds of the suites, by the end of the names of their results."""
 
 
@@ -60,8 +60,10 @@ def page(found: Outcomes, seed: int) -> str:
     tables = {
         "Equal experience": equal(fresh),
         "Equal experience: differences": h8(fresh),
+        "Five times the turns": longer(fresh),
         "Seeds": seeds_apart(fresh),
         "Is a memory needed?": needed(fresh),
+        "Fewer memories, shipped order": fewer(fresh),
         "The shipped memory": shipped(fresh),
         "Not trained on": outside(found),
         "At rest and in motion": resting(found),
@@ -141,6 +143,47 @@ def h8(found: Outcomes) -> str:
     head = ["N", "checks", "seeds", "learned less raw", "of the seeds", "p (Holm)"]
     corrected = zip(lines, holm(chances), strict=True)
     return table(head, [[*line, chance(p)] for line, p in corrected])
+
+
+def longer(found: Outcomes) -> str:
+    """Return encoders of many turns less those of few, after Holm over all that is shown."""
+    lines, chances = [], []
+    for size in sizes_of(found) if any("brief" in name for name in found.methods()) else ():
+        names = [f"{turns}-{size}" for turns in ("learned", "brief")]
+        seeds = seeds_of(found, *names)
+        for k in CHECKS:
+            caught = [over_seeds(found, name, seeds, k).astype(float) for name in names]
+            gap, p = hierarchical_difference(*caught)
+            shares = [percent(hierarchical(one)) for one in caught]
+            lines.append([f"{size:,}", str(k), str(len(seeds)), *shares, points(gap)])
+            chances.append(p)
+    head = ["N", "checks", "seeds", "many turns", "few turns", "difference", "p (Holm)"]
+    corrected = zip(lines, holm(chances), strict=True)
+    return table(head, [[*line, chance(p)] for line, p in corrected])
+
+
+def fewer(found: Outcomes) -> str:
+    """Return some of the shipped memories less all of them, after Holm over all that is shown."""
+    names = [n for n in found.methods() if n.split("-")[0] in ("medoids", "drawn")]
+    whole = found.where(method="shipped")
+    lines, chances = [], []
+    for name in sorted(names, key=lambda n: (n.split("-")[0], int(n.split("-")[1]))):
+        seeds, (kind, count) = seeds_of(found, name), name.split("-")
+        gaps, cells = [], []
+        for k in CHECKS:
+            caught = over_seeds(found, name, seeds, k).astype(float)
+            everything = np.broadcast_to(within(whole, k), caught.shape).astype(float)
+            cells.append(percent(hierarchical(caught)))
+            gaps.append(hierarchical_difference(caught, everything))
+        lines.append(
+            [kind, f"{int(count):,}", str(len(seeds)), *cells, *(points(g) for g, _ in gaps)]
+        )
+        chances += [p for _, p in gaps]
+    head = ["chosen", "memories", "seeds", *(f"k = {k}" for k in CHECKS)]
+    head += [f"{what}{k}" for what in ("less all, ", "p (Holm), ") for k in CHECKS]
+    each = [chance(p) for p in holm(chances)]
+    rows = [[*line, *each[3 * n : 3 * n + 3]] for n, line in enumerate(lines)]
+    return table(head, rows)
 
 
 def seeds_apart(found: Outcomes) -> str:

@@ -61,11 +61,11 @@ def data_of(name: str, records: dataset.Dataset) -> TransferLabels:
     return Strict(seen, int(seed))
 
 
-def train(name: str, folder: Path, out: Path) -> None:
+def train(name: str, folder: Path, out: Path, turns: int = TURNS) -> None:
     """Train one of them, and keep the memories that it was trained on."""
     data = data_of(name, dataset.open(folder))
     place = out / "encoders" / name
-    trained(data, int(name.split("-")[2]), place, TURNS, out / "work" / name)
+    trained(data, int(name.split("-")[2]), place, turns, out / "work" / name)
     np.savez(place / "paths.npz", knots=data.knots, goals=data.goals)
 
 
