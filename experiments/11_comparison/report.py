@@ -77,27 +77,26 @@ def inexact(noise: Results) -> str:
     )  # fmt: skip
 
 
-def write_tables(
-    file: Path,
-    charged: Results,
-    noise: Results,
-    hashes: dict[str, str],
-    costs: dict[str, dict[str, float]],
-) -> None:
-    """Write all tables into one file."""
-    counts = ", ".join(f"{name} ({text})" for name, text in hashes.items())
-    spent = ", ".join(
-        f"{name} {cost['cpu']:.0f} min of a core ({cost['minutes']:.0f} by the clock)"
-        for name, cost in costs.items()
-    )
-    n = len(noise.where((noise["noise"] == 0.0) & (noise["entrant"] == noise.methods[0])))
+def write_charged(file: Path, charged: Results, about: str, cost: dict[str, float]) -> None:
+    """Write the tables of charged thinking into a file."""
     parts = [
-        f"Suites, number and hash: {counts}. Took: {spent}.",
+        _made_of(about, cost),
         "## Thinking is charged\n\nCatches of W [%] if the world goes on during thought, with 95 % "
         "intervals, resampled within families.",
         thinking(charged),
         pairs(charged),
-        f"## Perception is not exact\n\nCatches [%] of {n} situations of W and Q.",
-        inexact(noise),
     ]
     file.write_text("\n\n".join(parts) + "\n", "utf-8")
+
+
+def write_inexact(file: Path, noise: Results, about: str, cost: dict[str, float]) -> None:
+    """Write the table of inexact perception into a file."""
+    n = len(noise.where((noise["noise"] == 0.0) & (noise["entrant"] == noise.methods[0])))
+    title = f"## Perception is not exact\n\nCatches [%] of {n} situations of W and Q."
+    parts = [_made_of(about, cost), title, inexact(noise)]
+    file.write_text("\n\n".join(parts) + "\n", "utf-8")
+
+
+def _made_of(about: str, cost: dict[str, float]) -> str:
+    took = f"{cost['cpu']:.0f} min of a core ({cost['minutes']:.0f} by the clock)"
+    return f"Suites, number and hash: {about}. Took {took}."

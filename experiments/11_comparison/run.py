@@ -1,9 +1,9 @@
 """Compare planners, memories and policies where thinking costs time and percepts are inexact (H1).
 
-python -m experiments 11_comparison OUT [--count 1000]   goes on from where it was stopped
+python -m experiments 11_comparison charged OUT    writes table.md and charged.png beside this file
+python -m experiments 11_comparison noise OUT      writes inexact.md
 
-OUT holds the results and a page; table.md and charged.png are written beside this file. All methods
-answer the same frozen situations.
+OUT holds the results and a page. All methods answer the same frozen situations.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-from report import write_tables
+from report import write_charged, write_inexact
 
 from gcm_learn.evaluation import Results, compare, compare_under_noise, draw_suite, hash_of
 from gcm_learn.plots import charged_figure, write_report
@@ -39,8 +39,8 @@ def spent() -> float:
     )
 
 
-def part(out: Path, name: str, do: Callable[[], Results]) -> Results:
-    """Return the results of a part, made unless they are there; note its cost."""
+def part(out: Path, name: str, do: Callable[[], Results]) -> tuple[Results, dict[str, float]]:
+    """Return the results of a part, made unless they are there, and its cost in minutes."""
     folder = out / name
     folder.mkdir(parents=True, exist_ok=True)
     file = folder / "results.parquet"
@@ -51,40 +51,45 @@ def part(out: Path, name: str, do: Callable[[], Results]) -> Results:
         (folder / "cost.json").write_text(json.dumps(took) + "\n")
         made.save(file)
         print(f"{name}: {took['minutes']:.1f} min, {took['cpu']:.1f} min of a core", flush=True)
-    return Results.load(file)
+    cost: dict[str, float] = json.loads((folder / "cost.json").read_text())
+    return Results.load(file), cost
 
 
 def main() -> None:
     """Draw, compare, report."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("part", choices=("charged", "noise"))
     parser.add_argument("out", type=Path)
-    parser.add_argument("--count", type=int, default=1000, help="situations of W")
-    parser.add_argument("--noisy", type=int, default=100, help="of W and of Q, under noise")
+    parser.add_argument("--count", type=int, default=300, help="of W; under noise half W, half Q")
     parser.add_argument("--workers", type=int)
     given = parser.parse_args()
-    workers = given.workers
-    counts = {"W": given.count, "Q": given.noisy}
-    drawn = {name: draw_suite(name, count, workers=workers) for name, count in counts.items()}
-    charged = part(
-        given.out, "charged",
-        lambda: compare(METHODS, drawn["W"], charge=given.count, workers=workers),
-    )  # fmt: skip
-    few = [*drawn["W"][: given.noisy], *drawn["Q"]]
-    noise = part(
-        given.out, "noise", lambda: compare_under_noise(NOISY, few, DEVIATIONS, workers=workers)
+    do = charge if given.part == "charged" else perceive
+    do(given.out, given.count, given.workers)
+
+
+def charge(out: Path, count: int, workers: int | None) -> None:
+    """Ask what is caught if thinking is charged."""
+    drawn = draw_suite("W", count, workers=workers)
+    charged, cost = part(
+        out, "charged", lambda: compare(METHODS, drawn, charge=count, workers=workers)
     )
-    page = write_report(charged, drawn["W"], given.out / "charged", "layered", noise)
+    page = write_report(charged, drawn, out / "charged", "layered", None)
     figure = charged_figure(charged.where(np.isin(charged["entrant"], DRAWN)))
     if figure is not None:
         figure.savefig(HERE / "charged.png", dpi=110)
-    hashes = {name: f"{len(entries)}, {hash_of(entries)}" for name, entries in drawn.items()}
-    costs = {
-        path.parent.name: json.loads(path.read_text())
-        for path in sorted(given.out.glob("*/cost.json"))
-    }
-    write_tables(HERE / "table.md", charged, noise, hashes, costs)
-    print((HERE / "table.md").read_text("utf-8"))
+    write_charged(HERE / "table.md", charged, f"W ({count}, {hash_of(drawn)})", cost)
     print(f"Open {page.resolve().as_uri()} in a browser.")
+
+
+def perceive(out: Path, count: int, workers: int | None) -> None:
+    """Ask what is caught if percepts are inexact."""
+    drawn = {name: draw_suite(name, count // 2, workers=workers) for name in "WQ"}
+    some = [*drawn["W"], *drawn["Q"]]
+    noise, cost = part(
+        out, "noise", lambda: compare_under_noise(NOISY, some, DEVIATIONS, workers=workers)
+    )
+    about = ", ".join(f"{name} ({len(few)}, {hash_of(few)})" for name, few in drawn.items())
+    write_inexact(HERE / "inexact.md", noise, about, cost)
 
 
 if __name__ == "__main__":
