@@ -107,7 +107,7 @@ def test_catches_promises_errors_and_refusals_are_counted(suite):
 
 
 def test_targets_are_counted_where_several_are_wanted(tmp_path):
-    path, situations = tmp_path / "several.jsonl", [draw("sequence-space", 9, k) for k in range(3)]
+    path, situations = tmp_path / "several.jsonl", [draw("sequence-space", 9, k) for k in range(2)]
     lines = [json.dumps(situation_to_json(situation)) + "\n" for situation in situations]
     path.write_text("".join(lines), "utf-8")
     loaded = benchmark.load_suite(str(path))

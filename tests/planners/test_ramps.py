@@ -71,7 +71,7 @@ def test_no_move_from_rest_takes_less_than_the_least_time(free, rng):
 @pytest.mark.parametrize("moving", [False, True])
 def test_the_referee_accepts_catches_under_limits_of_acceleration(moving):
     caught = 0
-    for k in range(8):
+    for k in range(5):
         situation = families.draw("panda-crowded-accelerated", 5, k)
         if moving:
             rates = tuple(0.2 * np.cos(np.arange(7.0)))
@@ -82,7 +82,7 @@ def test_the_referee_accepts_catches_under_limits_of_acceleration(moving):
             json.dumps([situation_to_json(situation), plan_to_json(plan, situation)])
         )
         assert judge(*written) == [], situation.name
-    assert caught >= 3
+    assert caught >= 2
 
 
 def test_with_a_deadline_catches_come_earlier():
