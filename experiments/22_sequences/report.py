@@ -16,6 +16,7 @@ from gcm_learn.evaluation.statistics import Interval
 
 DRAWS = 4000  # of the bootstrap
 PERIOD = 20  # of perception [ms]
+NOISY = "outcomes-noisy.csv.gz"
 MEMORY = "stored"  # in the name of methods that have one
 GREEDY = ("found", "distance", "time")
 GROUPS = ("greedy", "without memory", "with memory")
@@ -64,7 +65,28 @@ def results(folder: Path) -> dict[str, str]:
             tables[f"{world}: differences of the methods chosen on validation"] = differences(
                 mine, choice[world]
             )
-    return {"table.md": sections(tables)}
+    pages = {"table.md": sections(tables)}
+    if (folder / NOISY).exists():
+        pages["noisy.md"] = noisy(read(folder / NOISY))
+    return pages
+
+
+def noisy(found: Outcomes) -> str:
+    """Return how much is caught if percepts are inexact, and how often something is touched."""
+    deviations = np.unique(found["deviation"])
+    head = ["method", "plans"]
+    head += [f"{what}, {d:g}" for what in ("caught [%]", "touched [%]") for d in deviations]
+    lines = []
+    for name in found.methods():
+        for habit in ("once", "broken"):
+            some = found.where(method=name, habit=habit)
+            each = [some.where(some["deviation"] == d) for d in deviations]
+            shares = [percent(share(one["got"], one["targets"]), 1) for one in each]
+            touched = [f"{100 * one['touched'].mean():.0f}" for one in each]
+            lines.append([name, habit, *shares, *touched])
+    count = len(np.unique(found["situation"]))
+    title = f"Share of all targets of {count} sequences, by the deviation of places [forearms]"
+    return sections({title: table(head, lines)})
 
 
 def caught(mine: Outcomes) -> str:

@@ -76,8 +76,8 @@ def _nearest(study, trees, tree, q, t, worse):
 
 
 @njit(_nrt=False)
-def _join(study, trees, tree, k, q, rates, t, free):
-    """Free move between node k of a tree and joints q with some rates (n,) at t [s].
+def join(study, trees, tree, k, q, rates, t, free):
+    """Find a free move between node k of a tree and joints q with some rates (n,) at t [s].
 
     Returns whether there is one. Its begin and end are in ``trees.ends``, and what rates were free
     are written.
@@ -98,12 +98,17 @@ def _join(study, trees, tree, k, q, rates, t, free):
 
 @njit(_nrt=False)
 def _grown(study, trees, horizon):
-    """Grow the first tree to a drawn state; the new node, -1 if no move is free.
+    """Grow the first tree to a drawn state; the new node, -1 if no move is free."""
+    return grown_to(study, trees, _draw_state(study, trees, horizon))
+
+
+@njit(_nrt=False)
+def grown_to(study, trees, t):
+    """Grow the first tree to the drawn posture at t [s]; the new node, -1 if no move is free.
 
     If the whole move is blocked, half of it is tried, and so on.
     """
     tree, q, rates = FROM_START, trees.drawn, trees.drawn_rates
-    t = _draw_state(study, trees, horizon)
     free = rates_by(trees.moves, tree, rates, uniform(trees))
     k, _ = _nearest(study, trees, tree, q, t, -1.0)
     if k < 0:
@@ -113,7 +118,7 @@ def _grown(study, trees, horizon):
         t = min(t, when + soon_by(trees.moves, study, there, q))
     for _ in range(NEARER):
         if free_at(study.scene, q, t, study.touch, study.desk):
-            if _join(study, trees, tree, k, q, rates, t, free):
+            if join(study, trees, tree, k, q, rates, t, free):
                 return add_node(trees, tree, q, rates, trees.ends[1], free, k, 0)
         halve_by(trees.moves, q, there, trees.rates[tree, k], t - when)
         t = 0.5 * (t + when)
@@ -147,7 +152,7 @@ def _grown_backward(study, trees):
         spare = when - took - time_by(trees.moves, limits, limb.start, q)
         took += share * max(spare, 0.0)
         if spare > 0.0 and free_at(study.scene, q, when - took, study.touch, study.desk):
-            if _join(study, trees, tree, k, q, rates, when - took, free & START_FREE):
+            if join(study, trees, tree, k, q, rates, when - took, free & START_FREE):
                 time = trees.ends[0]
                 return add_node(trees, tree, q, rates, time, free, k, trees.body[k])
         halve_by(trees.moves, q, there, turning, -took)
@@ -155,8 +160,8 @@ def _grown_backward(study, trees):
 
 
 @njit(_nrt=False)
-def _connected(study, trees, tree, k):
-    """Node of the other tree to which node k has a free move, whose ends are in ``trees.ends``."""
+def connected(study, trees, tree, k):
+    """Return the node of the other tree to which node k has a free move, whose ends are in ``trees.ends``."""
     other, worse = 1 - tree, -1.0
     q, t, rates = trees.joints[tree, k], trees.time[tree, k], trees.rates[tree, k]
     free = END_FREE if tree == FROM_CATCH and trees.via[tree, k] < 0 else GIVEN
@@ -164,7 +169,7 @@ def _connected(study, trees, tree, k):
         m, took = _nearest(study, trees, other, q, t, worse)
         if m < 0:
             return -1
-        if _join(study, trees, other, m, q, rates, t, free):
+        if join(study, trees, other, m, q, rates, t, free):
             return m
         worse = took
     return -1
@@ -196,9 +201,9 @@ def search_trees(study, trees, rounds, horizon, way):
             continue
         rounds -= 1
         if root >= 0:
-            m = _connected(study, trees, FROM_CATCH, root)
+            m = connected(study, trees, FROM_CATCH, root)
             if m >= 0:
-                return _trace(trees, m, root, way)
+                return trace(trees, m, root, way)
         elif trees.size[FROM_CATCH] == 0:
             return False
         for tree in range(2):
@@ -208,17 +213,17 @@ def search_trees(study, trees, rounds, horizon, way):
                 k = _grown_backward(study, trees)
             if k < 0:
                 continue
-            m = _connected(study, trees, tree, k)
+            m = connected(study, trees, tree, k)
             if m >= 0:
                 first, second = (k, m) if tree == FROM_START else (m, k)
-                return _trace(trees, first, second, way)
+                return trace(trees, first, second, way)
         if max(trees.size[0], trees.size[1]) + 2 > trees.time.shape[1]:
             return False
     return False
 
 
 @njit
-def _trace(trees, first, second, way):
+def trace(trees, first, second, way):
     """Write the way through node `first` of the one tree and `second` of the other.
 
     The move between them is in ``trees.ends``.

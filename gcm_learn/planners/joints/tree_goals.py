@@ -82,12 +82,24 @@ def draw_goal(study, trees, horizon):
     int
         Number of the root, -1 if the draw failed.
     """
-    scene, q = study.scene, trees.drawn
     if trees.size[FROM_CATCH] > 0 and uniform(trees) < NEAR_GOAL:
         b, t = _draw_near_goal(study, trees, horizon)
     else:
         b, t = _draw_near_start(study, trees, horizon)
-    if not pulled(study, b, t, q) or not free_at(scene, q, t, study.touch, study.desk):
+    return root_at(study, trees, b, t)
+
+
+@njit(_nrt=False)
+def root_at(study, trees, b, t):
+    """Pull the drawn posture to body b at t [s], and add it as a root if it is free then.
+
+    Returns
+    -------
+    int
+        Number of the root, -1 if there is none.
+    """
+    q = trees.drawn
+    if not pulled(study, b, t, q) or not free_at(study.scene, q, t, study.touch, study.desk):
         return -1
     trees.ends[0] = trees.ends[1] = t
     return add_node(trees, FROM_CATCH, q, trees.drawn_rates, t, GIVEN, -1, b)

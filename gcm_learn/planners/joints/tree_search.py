@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
@@ -12,7 +13,7 @@ from gcm_learn.planners.completion import Attempt, SpatialProblem, checked
 from gcm_learn.planners.joints.meeting_trees import search_trees
 from gcm_learn.planners.joints.ramped_ways import hasten_ramped, ramped_samples, shorten_ramped
 from gcm_learn.planners.joints.straight import at_once, earliest_straight
-from gcm_learn.planners.joints.trees import new_trees
+from gcm_learn.planners.joints.trees import Trees, new_trees
 from gcm_learn.planners.joints.ways import Way, hasten, new_way, samples_of, shorten
 from gcm_learn.planners.plan import Deadline, Plan, deadline_of, end_of, in_joints
 from gcm_learn.situation import AnySituation
@@ -23,6 +24,9 @@ ROUNDS = 6000
 PATIENCE = 40
 VAIN = 10
 """Pairs of trees in a row that find nothing earlier, after which the search ends."""
+Begin = Callable[[SpatialProblem, Trees, float, Way], bool]
+"""Plants nodes into new trees, given the last instant of a catch [s]; the way is written if they
+meet."""
 
 
 @dataclass(frozen=True)
@@ -40,6 +44,8 @@ class TreeSearch:
     """Postures to draw in vain for an earlier catch.  If positive, the straight line to the first
     interception comes before all: if it is free, hardly anything is earlier."""
     seed: int = 1
+    begin: Begin | None = None
+    """Called with trees of the start alone, before they grow; true if it makes them meet."""
 
     takes = staticmethod(in_joints)
 
@@ -92,6 +98,8 @@ class TreeSearch:
         study = problem.study
         trees = new_trees(study, rounds + 2, seed, problem.accelerates)
         way, found = new_way(study.goal.size), None
+        if self.begin is not None and self.begin(problem, trees, end, way):
+            found = _finished(problem, trees.moves, way)
         while rounds > 0 and found is None and not problem.over and problem.budget[0] >= 0:
             size = min(SLICE, rounds)
             rounds -= size
