@@ -152,9 +152,9 @@ def longer(found: Outcomes) -> str:
         names = [f"{turns}-{size}" for turns in ("learned", "brief")]
         seeds = seeds_of(found, *names)
         for k in CHECKS:
-            caught = [over_seeds(found, name, seeds, k).astype(float) for name in names]
+            caught = [over_seeds(found, name, seeds, k) for name in names]
             gap, p = hierarchical_difference(*caught)
-            shares = [percent(hierarchical(one)) for one in caught]
+            shares = [percent(hierarchical(one.astype(float))) for one in caught]
             lines.append([f"{size:,}", str(k), str(len(seeds)), *shares, points(gap)])
             chances.append(p)
     head = ["N", "checks", "seeds", "many turns", "few turns", "difference", "p (Holm)"]
@@ -171,9 +171,9 @@ def fewer(found: Outcomes) -> str:
         seeds, (kind, count) = seeds_of(found, name), name.split("-")
         gaps, cells = [], []
         for k in CHECKS:
-            caught = over_seeds(found, name, seeds, k).astype(float)
-            everything = np.broadcast_to(within(whole, k), caught.shape).astype(float)
-            cells.append(percent(hierarchical(caught)))
+            caught = over_seeds(found, name, seeds, k)
+            everything = np.broadcast_to(within(whole, k), caught.shape)
+            cells.append(percent(hierarchical(caught.astype(float))))
             gaps.append(hierarchical_difference(caught, everything))
         lines.append(
             [kind, f"{int(count):,}", str(len(seeds)), *cells, *(points(g) for g, _ in gaps)]
