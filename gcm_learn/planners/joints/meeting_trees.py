@@ -161,7 +161,10 @@ def _grown_backward(study, trees):
 
 @njit(_nrt=False)
 def connected(study, trees, tree, k):
-    """Return the node of the other tree to which node k has a free move, whose ends are in ``trees.ends``."""
+    """Return the node of the other tree to which node k has a free move; -1 if there is none.
+
+    The ends of that move are in ``trees.ends``.
+    """
     other, worse = 1 - tree, -1.0
     q, t, rates = trees.joints[tree, k], trees.time[tree, k], trees.rates[tree, k]
     free = END_FREE if tree == FROM_CATCH and trees.via[tree, k] < 0 else GIVEN
