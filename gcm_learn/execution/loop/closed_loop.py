@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
-from gcm_learn.errors import ArenaError
+from gcm_learn.errors import ArenaError, SituationError
 from gcm_learn.execution.arena.kernels.world import RUNNING
 from gcm_learn.execution.arena.wanted import Catch, without
 from gcm_learn.execution.loop.belief import ACCELERATION, Belief
@@ -145,8 +145,10 @@ class _Episode:
         self._take_up(look)
         if self.pending is None and self.belief.looks >= self.loop.looks:
             now, since = look * self.period, clock.process_time()
-            left = self.lead.rest_of(self.followed, now)
-            if self.mind.wants(Occasion(self._believed(now), left, len(self.thoughts))):
+            left, believed = self.lead.rest_of(self.followed, now), self._believed(now)
+            if believed is None:
+                return
+            if self.mind.wants(Occasion(believed, left, len(self.thoughts))):
                 self._plan(look, clock.process_time() - since)
                 self._take_up(look)  # where thinking takes no time
 
@@ -165,8 +167,8 @@ class _Episode:
             if start >= self.horizon:
                 plan = None
                 break
-            since = clock.process_time()
-            plan = self.mind.plan(self._believed(start))
+            since, believed = clock.process_time(), self._believed(start)
+            plan = None if believed is None else self.mind.plan(believed)
             took = spent + clock.process_time() - since
             if self.loop.thinking is not None:
                 took = self.loop.thinking
@@ -184,9 +186,16 @@ class _Episode:
         """Return the number of periods in a time [s], rounded up."""
         return math.ceil(span / self.period - _HAIR)
 
-    def _believed(self, t: float) -> AnySituation:
-        """The world from t on as it is believed to be, the arm where it is led to then."""
-        believed = self.belief.situation(t, self.lead.led(self.arm, self.followed, t))
+    def _believed(self, t: float) -> AnySituation | None:
+        """The world from t on as it is believed to be, the arm where it is led to then.
+
+        None where the arm moves as no situation may begin: to brake after a plan's end can take a
+        hand beyond its greatest speed.
+        """
+        try:
+            believed = self.belief.situation(t, self.lead.led(self.arm, self.followed, t))
+        except SituationError:
+            return None
         return without(believed, self.caught)
 
 

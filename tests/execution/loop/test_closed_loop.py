@@ -259,6 +259,31 @@ def test_the_same_seed_goes_the_same_way(make):
     assert courses[0] == courses[1] != courses[2]
 
 
+def test_nothing_is_thought_while_the_hand_is_too_fast():
+    """An arm that brakes may move its hand faster than any situation allows at t = 0."""
+    begins, fast = 0.2, 0.1
+    arm = replace(ARM, max_hand_speed=3.0)
+    occasions = []
+
+    class Hasty:
+        def wants(self, occasion):
+            occasions.append(situation.horizon - occasion.believed.horizon)
+            return occasion.thoughts == 0
+
+        def plan(self, believed):
+            rate = np.array([0.0, 5.0, 0.0, 0.0])
+            joints = np.array(arm.joints) + np.outer([0.0, fast], rate)
+            return Movement(arm, np.array([0.0, fast]), joints, np.stack([rate, rate]))
+
+    situation = replace(falling(arm, shift=5.0), format="gcm-learn/situation@3")
+    loop = Loop(EXACT, looks=round(begins / EXACT.period), thinking=0.0)
+    course = run_closed_loop(Hasty(), ExactPlant(situation), situation, loop, 0)
+    assert course.outcome == LATE and len(course.thoughts) == 1
+    first = occasions[0]
+    assert not [t for t in occasions if first + 1e-6 < t < first + fast]
+    assert max(occasions) > first + fast
+
+
 @pytest.mark.parametrize("limited", [True, False])
 def test_joints_can_be_commanded(limited):
     """As a learned policy would: straight at the target's posture, within all limits."""
