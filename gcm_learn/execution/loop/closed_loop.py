@@ -189,8 +189,8 @@ class _Episode:
     def _believed(self, t: float) -> AnySituation | None:
         """The world from t on as it is believed to be, the arm where it is led to then.
 
-        None where the arm moves as no situation may begin: to brake after a plan's end can take a
-        hand beyond its greatest speed.
+        None while the hand moves faster than its limit, which may happen as the arm brakes after
+        the end of a plan.
         """
         try:
             believed = self.belief.situation(t, self.lead.led(self.arm, self.followed, t))
