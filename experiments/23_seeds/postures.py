@@ -1,8 +1,8 @@
 """A learned model of postures that catch: from a situation's features to seeds, without memories.
 
-The seed that is nearest to a catch is pulled towards it, the others hardly. That is
-multiple choice learning (Guzman-Rivera, Batra and Kohli, NIPS 2012), relaxed as by Rupprecht et
-al., ICCV 2017. A second output says which of them will be the nearest.
+The seed that is nearest to a catch is pulled towards it, the others hardly. This
+multiple choice learning is that of Guzman-Rivera, Batra and Kohli (NIPS 2012), relaxed as by
+Rupprecht et al. (ICCV 2017). A second output says which of them will be the nearest.
 """
 
 from __future__ import annotations
