@@ -47,7 +47,7 @@ def _aligned(study, q, b, horizon):
 
 @njit(_nrt=False)
 def _root(study, trees, q, b, t):
-    """Add the posture near q (n,) that catches body b at t [s] as a root; -1 if there is none."""
+    """Add a root near q (n,) that catches body b at t [s]; -1 if nothing is free there."""
     box_by(trees.moves, study, t)
     for j in range(q.size):
         trees.drawn[j] = min(max(q[j], study.low[j]), study.high[j])
@@ -69,6 +69,16 @@ def _backward(study, trees, k, t):
 
 
 @njit(_nrt=False)
+def _draw_gate(trees, joints, time, there, at, g):
+    """Draw posture g of a seed, moved with its last one to joints there (n,); its time [s]."""
+    last = time.size - 1
+    share = (g + 1) / (last + 1)
+    for j in range(there.size):
+        trees.drawn[j] = joints[g, j] + share * (there[j] - joints[last, j])
+    return at * time[g] / max(time[last], NOTHING)
+
+
+@njit
 def _planted(study, trees, joints, time, gates, horizon, way):
     """Add one seed to trees; returns whether they meet."""
     b, last = nearest_target(study.scene, study.desk.poses), time.size - 1
@@ -85,9 +95,7 @@ def _planted(study, trees, joints, time, gates, horizon, way):
         return trace(trees, m, root, way)
     there = trees.joints[FROM_CATCH, root]
     for g in range(last if gates else 0):
-        share, t = (g + 1) / (last + 1), at * time[g] / max(time[last], NOTHING)
-        for j in range(q.size):
-            trees.drawn[j] = joints[g, j] + share * (there[j] - q[j])
+        t = _draw_gate(trees, joints, time, there, at, g)
         k = grown_to(study, trees, t) if t > 0.0 else -1
         m = connected(study, trees, FROM_START, k) if k >= 0 else -1
         if m >= 0:
@@ -95,9 +103,7 @@ def _planted(study, trees, joints, time, gates, horizon, way):
     k, g = root, last if gates else 0
     while g > 0 and k >= 0:
         g -= 1
-        share, t = (g + 1) / (last + 1), at * time[g] / max(time[last], NOTHING)
-        for j in range(q.size):
-            trees.drawn[j] = joints[g, j] + share * (there[j] - q[j])
+        t = _draw_gate(trees, joints, time, there, at, g)
         k = _backward(study, trees, k, t)
         m = connected(study, trees, FROM_CATCH, k) if k >= 0 else -1
         if m >= 0:
