@@ -12,7 +12,7 @@ import runpy
 import sys
 from pathlib import Path
 
-from gcm_learn.errors import not_among
+from gcm_learn.errors import GcmError, not_among
 
 HERE = Path(__file__).resolve().parent
 STARTS = '__name__ == "__main__"'
@@ -56,7 +56,10 @@ def main(words: list[str]) -> None:
     script = known[words[0]]
     sys.path.insert(0, str(script.parent))  # its neighbours, which it imports by name
     sys.argv = [str(script), *words[1:]]
-    runpy.run_path(str(script), run_name="__main__")
+    try:
+        runpy.run_path(str(script), run_name="__main__")
+    except GcmError as error:
+        sys.exit(str(error))
 
 
 if __name__ == "__main__":

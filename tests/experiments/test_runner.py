@@ -56,6 +56,13 @@ def test_a_script_gets_the_words_after_its_name_and_finds_its_neighbours():
     assert "argument --per-stratum: invalid int value: 'few'" in answer.stderr
 
 
+def test_a_folder_without_a_dataset_is_one_line(tmp_path):
+    answer = asked("23_seeds", str(tmp_path), "ask")
+    assert answer.returncode == 1
+    assert answer.stderr.splitlines()[-1].startswith(f"{tmp_path}: holds no dataset")
+    assert "Traceback" not in answer.stderr
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", [name for name in runner.scripts() if "/" not in name])
 def test_every_experiment_says_how_it_is_run(name):
