@@ -194,7 +194,9 @@ class _Episode:
         """
         try:
             believed = self.belief.situation(t, self.lead.led(self.arm, self.followed, t))
-        except SituationError:
+        except SituationError as error:
+            if not error.field.endswith("rates"):
+                raise
             return None
         return without(believed, self.caught)
 
