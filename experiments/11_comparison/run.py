@@ -73,7 +73,7 @@ def charge(out: Path, count: int, workers: int | None) -> None:
     charged, cost = part(
         out, "charged", lambda: compare(METHODS, drawn, charge=count, workers=workers)
     )
-    page = write_report(charged, drawn, out / "charged", "layered", None)
+    page = write_report(charged, drawn, out / "charged", "layered")
     figure = charged_figure(charged.where(np.isin(charged["entrant"], DRAWN)))
     if figure is not None:
         figure.savefig(HERE / "charged.png", dpi=110)
