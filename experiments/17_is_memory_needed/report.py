@@ -146,7 +146,7 @@ def h8(found: Outcomes) -> str:
 
 
 def longer(found: Outcomes) -> str:
-    """Return encoders of many turns less those of few, after Holm over all that is shown."""
+    """Return what more turns of training gain, after Holm over all that is shown."""
     lines, chances = [], []
     for size in sizes_of(found) if any("brief" in name for name in found.methods()) else ():
         names = [f"{turns}-{size}" for turns in ("learned", "brief")]

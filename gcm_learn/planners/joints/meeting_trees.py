@@ -161,7 +161,7 @@ def _grown_backward(study, trees):
 
 @njit(_nrt=False)
 def connected(study, trees, tree, k):
-    """Return the node of the other tree to which node k has a free move; -1 if there is none.
+    """Find a node of the other tree to which node k has a free move: its number, or -1.
 
     The ends of that move are in ``trees.ends``.
     """

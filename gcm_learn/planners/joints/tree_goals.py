@@ -96,7 +96,7 @@ def root_at(study, trees, b, t):
     Returns
     -------
     int
-        Number of the root, -1 if there is none.
+        Number of the root, -1 if it is not free.
     """
     q = trees.drawn
     if not pulled(study, b, t, q) or not free_at(study.scene, q, t, study.touch, study.desk):
