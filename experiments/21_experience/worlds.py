@@ -100,5 +100,6 @@ WORLDS = {
         World("space", "space", 4000, 3000, 150, 2),
         World("plane", "recall", 4000, 4000, 150, 2),
         World("panda", "recall-panda", 2500, 1500, 150, 2),
+        World("panda, limits", "panda-accelerated", 2500, 1500, 150, 2),
     )
 }

@@ -12,9 +12,9 @@ before. Finished parts are kept in out/ and not repeated. Ask on a machine that 
 from __future__ import annotations
 
 import argparse
+import itertools
 import json
 from collections.abc import Iterator, Sequence
-from itertools import islice
 from pathlib import Path
 from time import process_time
 from typing import Any, NamedTuple
@@ -25,8 +25,7 @@ from report import asked_of, best_without, write_figure
 from experiments.common.asking import ask_in_turns, publish, rows_of
 from experiments.common.charging import after
 from experiments.common.judging import complaints
-from gcm_learn.families import draw, family_from_dict
-from gcm_learn.families.family import Family
+from gcm_learn.families import draw, preset_families
 from gcm_learn.planners import Deadline, Plan, TreeSearch, get_planner
 from gcm_learn.planners.orders import ORDERS, Course
 from gcm_learn.planners.sequences import joined
@@ -47,32 +46,27 @@ ROUNDS = {"search": 375, "short search": 94}  # postures of a leg's search
 class World(NamedTuple):
     """Sequences of one kind of arm."""
 
-    family: Family
+    preset: str
+    """Source of situations; its one family is drawn."""
     spec: str
     """Whose catches are remembered."""
     count: int
     """Fresh situations."""
 
 
-LIMITED = {"human": 0.3, "nao": 0.3, "ramp": [0.03, 0.15], "horizon": [1.6, 2.8]}
 WORLDS = {
-    "space": World(
-        family_from_dict({"family": "sequence-space", "arm": LIMITED}), "space-accelerated", 300
-    ),
-    "panda": World(
-        family_from_dict({"family": "conveyor-chain", "parts": [3, 5]}), "recall-panda", 100
-    ),
+    "space": World("space-sequences", "space-accelerated", 300),
+    "panda": World("panda-sequences", "panda-accelerated", 300),
 }
 
 
 def drawn(world: World, seed: int) -> Iterator[tuple[int, Any]]:
     """Yield situations with several targets of which most are wanted, without end."""
-    number = 0
-    while True:
-        situation = draw(world.family, seed, number)
+    (family,) = preset_families(world.preset)
+    for number in itertools.count():
+        situation = draw(family, seed, number)
         if situation.catch == "most" and len(situation.targets) >= 3:
             yield number, situation
-        number += 1
 
 
 def methods(world: World) -> dict[str, tuple[str, Any]]:
@@ -129,7 +123,7 @@ def ask(name: str, seed: int, count: int, file: Path, names: set[str] | None = N
     world, made = WORLDS[name], methods(WORLDS[name])
     names = made.keys() - {LATER} if names is None else names
     some = [(method, how) for method, how in made.items() if method in names]
-    cases = list(islice(drawn(world, seed), WARM + count))
+    cases = list(itertools.islice(drawn(world, seed), WARM + count))
 
     def named(number: int, situation: Any, asked: Any) -> Iterator[dict[str, Any]]:
         return (row | {"world": name} for row in answers(number, situation, asked))

@@ -63,8 +63,7 @@ def accelerated() -> list[Item]:
 
 def sequences() -> list[Item]:
     """Return situations in space that ask for most of three to five targets."""
-    arm = {"human": 0.3, "nao": 0.3, "ramp": [0.03, 0.15], "horizon": [1.6, 2.8]}
-    family = families.family_from_dict({"family": "sequence-space", "arm": arm})
+    (family,) = families.preset_families("space-sequences")
     return _free(family for _ in range(10**6))
 
 

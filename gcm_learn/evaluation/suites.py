@@ -133,7 +133,7 @@ SUITES |= {
 }
 SUITES |= {
     name: Suite(f"the family {name}", 9200, {name: {}}, label="fast", persistent="search")
-    for name in _CHAINS
+    for name in (*_CHAINS, "sequence-chain")
 }
 
 

@@ -19,6 +19,8 @@ class Preset(NamedTuple):
 
 _PANDA = {"model": "panda", "floor_height": [0.014, 0.014]}
 _ACCELERATIONS = [15.0, 7.5, 10.0, 12.5, 15.0, 20.0, 20.0]  # [rad/s^2]
+_LIMITED_PANDA = {**_PANDA, "accelerations": _ACCELERATIONS}
+_LIMITED = {"human": 0.3, "nao": 0.3, "ramp": [0.03, 0.15], "horizon": [1.6, 2.8]}
 _COMMON = {"target": [0.007, 0.007], "when": [0.5, 0.95]}
 _EASY = {**_COMMON, "takes": [0.15, 0.6], "directed": 0.0}
 _CROWDED = {**_COMMON, "takes": [0.3, 0.8], "directed": 1.0}
@@ -66,7 +68,15 @@ PRESETS: dict[str, Preset] = {
     ),
     "panda-crowded-accelerated": Preset(
         "the same as panda-crowded, with limits of the joints' accelerations",
-        _sixths(_CROWDED, _CROWDED_RANGES, {**_PANDA, "accelerations": _ACCELERATIONS}),
+        _sixths(_CROWDED, _CROWDED_RANGES, _LIMITED_PANDA),
+    ),
+    "space-sequences": Preset(
+        "several balls fly by arms of four joints, with limits of the joints' accelerations",
+        ({"family": "sequence-space", "arm": _LIMITED},),
+    ),
+    "panda-sequences": Preset(
+        "several balls drift by a Panda, with limits of the joints' accelerations",
+        ({"family": "sequence-chain", "arm": {**_LIMITED_PANDA, "horizon": [1.6, 2.8]}},),
     ),
 }
 """Presets by name."""

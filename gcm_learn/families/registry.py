@@ -15,7 +15,7 @@ from gcm_learn.families.behind_mover import BehindMover, BehindMoverSolid
 from gcm_learn.families.chain.belts import ConveyorChain, TurntableChain
 from gcm_learn.families.chain.boxes import DrawerChain, ShelfChain
 from gcm_learn.families.chain.company import HandoverChain, OtherArmChain
-from gcm_learn.families.chain.flights import FallingChain, SwarmChain, ThrowChain
+from gcm_learn.families.chain.flights import FallingChain, SequenceChain, SwarmChain, ThrowChain
 from gcm_learn.families.chain.pendulum import PendulumChain
 from gcm_learn.families.chain.walls import GateChain, WindowChain
 from gcm_learn.families.crossing_swarm import CrossingSwarm, CrossingSwarmSolid
@@ -58,6 +58,7 @@ _FAMILIES: dict[str, type[Family]] = {
         SequenceSpace,
         ThrowChain, ConveyorChain, WindowChain, PendulumChain, SwarmChain, ShelfChain,
         TurntableChain, OtherArmChain, DrawerChain, FallingChain, GateChain, HandoverChain,
+        SequenceChain,
     )
 }  # fmt: skip
 

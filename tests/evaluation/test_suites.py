@@ -100,7 +100,8 @@ def test_what_is_no_suite(kept):
 def test_all_suites_are_frozen():
     relabelled = {name for name, suite in suites.SUITES.items() if suite.label == "fast"}
     assert set(FROZEN) == set(suites.suite_names()) - relabelled
-    others = [*family_names("spatial"), "sequence-space", *family_names("chain")]
+    several = ["sequence-space", "sequence-chain"]
+    others = [*family_names("spatial"), *family_names("chain"), *several]
     assert relabelled == {"space", "space-demo", "chains", *others}
     assert all(50 in frozen for frozen in FROZEN.values())
 

@@ -31,7 +31,7 @@ from gcm_learn.situation import (
     situation_to_json,
 )
 
-NAMES = family_names("chain")
+NAMES = [*family_names("chain"), "sequence-chain"]
 ARMS = ("panda", "ur5", "nao", "planar-2")
 LIMITS = [15.0, 7.5, 10.0, 12.5, 15.0, 20.0, 20.0]
 
@@ -59,8 +59,8 @@ def text(situation):
     return json.dumps(situation_to_json(situation))
 
 
-def test_there_are_twelve_families_for_chains():
-    assert len(NAMES) == 12 and all(name.endswith("-chain") for name in NAMES)
+def test_there_are_thirteen_families_for_chains():
+    assert len(NAMES) == 13 and all(name.endswith("-chain") for name in NAMES)
     assert all(isinstance(get_family(name), ChainFamily) for name in NAMES)
 
 
@@ -225,10 +225,12 @@ def test_presets_draw_their_families_in_turns(name):
         family = members[k % len(members)]
         assert situation.name == f"{name}-{k:07d}-{family.name}"
         own = family.draw(seeding.rng(7, k), situation.name)
-        assert own == situation and situation.arm.model == shipped_arm("panda")
+        assert own == situation
+        assert name.startswith("space") or situation.arm.model == shipped_arm("panda")
         directed = all(target.approach is not None for target in situation.targets)
-        assert directed == (name != "panda-easy")
+        assert directed == name.startswith("panda-crowded")
+        assert situation.catch == ("most" if name.endswith("sequences") else "any")
     limited = drawn[0].arm.max_joint_acceleration is not None
-    assert limited == name.endswith("accelerated")
+    assert limited == name.endswith(("accelerated", "sequences"))
     with pytest.raises(UnknownNameError, match="preset"):
         preset_families("panda-hard")

@@ -49,7 +49,7 @@ def of_arm(name, **shares):
 
 def test_there_are_families_for_every_kind_of_arm():
     assert len(NAMES) >= 10 and len(family_names("planar")) == 19
-    others = family_names("planar") + family_names("chain")
+    others = [*family_names("planar"), *family_names("chain"), "sequence-chain"]
     assert sorted(family_names()) == sorted(NAMES + others)
     assert all(name.endswith("-space") for name in NAMES)
 

@@ -1,9 +1,9 @@
-"""Balls in flight: thrown to the arm, among a swarm, or bounced off a table."""
+"""Balls in flight: thrown to the arm, among a swarm, one after the other, or off a table."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -74,6 +74,38 @@ class SwarmChain(ChainFamily):
         way = self.way(rng, stage)
         course = stage.size(rng, self.drift) * unit_vector(rng.normal(size=3))
         return Story(way, (self.ball(rng, stage, way.meet, way.when, course),))
+
+
+@dataclass(frozen=True)
+class SequenceChain(SwarmChain):
+    """Several balls drift by while others cross the way; as many as possible are wanted.
+
+    It asks for an order: each ball is within reach for its own time, and each way takes time.
+    """
+
+    name = "sequence-chain"
+    summary = "three to five balls that drift by, as many as possible to be caught in one movement"
+    several = True
+
+    targets: Counts = counts(3, 5, 1)
+    """Number of targets."""
+    passes: Range = span(0.15, 0.9, 0.05, 0.97)
+    """Times at which the hand could meet those after the first [horizons]."""
+    drift: Range = span(0.1, 0.6)
+    """Speed of the targets [reaches/s]."""
+    strays: Counts = counts(3, 6)
+    """Number of balls that fly across the way to the first."""
+
+    def story(self, rng: np.random.Generator, stage: Stage) -> Story:
+        """A ball at the end of the way, and others at places that the hand can reach."""
+        way, bodies = super().story(rng, stage)[:2]
+        hands, _ = stage.hands()
+        for k in range(1, pick_count(rng, self.targets)):
+            meet, when = hands[rng.integers(len(hands))], pick(rng, self.passes) * stage.horizon
+            course = stage.size(rng, self.drift) * unit_vector(rng.normal(size=3))
+            other = self.ball(rng, stage, meet, when, course)
+            bodies = (*bodies, replace(other, name=f"target {k + 1}"))
+        return Story(way, bodies, "most" if len(bodies) > 1 else "any")
 
 
 @dataclass(frozen=True)
