@@ -33,7 +33,7 @@ PAIRS = {
 }
 FRONTS = ("synthetic, random", "synthetic, learned", "stored, random", "stored, learned")
 TITLES = {"space, limits": "space, limits of acceleration", "plane": "plane", "space": "space",
-          "panda": "Panda"}  # fmt: skip
+          "panda": "Panda", "panda, limits": "Panda, limits of acceleration"}  # fmt: skip
 COLOURS = {"stored": "#20639b", "synthetic": "#e08e2b", "search": "#777777"}
 
 

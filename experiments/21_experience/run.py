@@ -28,6 +28,7 @@ from experiments.common.questions import Question
 
 HERE = Path(__file__).resolve().parent
 SHORT = 20.0  # one period of perception [ms]
+PARTS = ("world", "method")  # of the outcomes, which are kept until they are asked anew
 WARM = 3  # situations that are asked first and not counted
 
 
@@ -90,7 +91,7 @@ def main() -> None:
         else:
             ask(world)
     if given.part == "ask":
-        publish(HERE, sorted((OUT / "answers").glob("*.jsonl")), write_figure)
+        publish(HERE, sorted((OUT / "answers").glob("*.jsonl")), write_figure, PARTS)
 
 
 if __name__ == "__main__":

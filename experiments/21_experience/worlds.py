@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
+from experiments.common.freezing import frozen_seed
 from experiments.common.questions import Question
 from gcm_learn import dataset
 
@@ -15,7 +15,7 @@ HERE = Path(__file__).resolve().parent
 SPECS = HERE.parents[1] / "data" / "specs"
 OUT = HERE / "out"
 FROZEN = HERE / "frozen.json"
-"""The commit that froze code and generator, and the seed that its hash gives."""
+"""Commits that froze code and generator, and the seeds that their hashes give."""
 AS_TRAINED = ("train", "validation", "test")  # splits: whatever a seed draws, no memory has seen
 STRATA = ("W", "Q")
 CHOSEN_ON = 60  # situations of W for the time that planning without memory takes
@@ -48,6 +48,11 @@ class World:
     seeds: int
 
     @property
+    def seed(self) -> int:
+        """Seed of the fresh draws."""
+        return frozen_seed(FROZEN, self.name)
+
+    @property
     def records_folder(self) -> Path:
         """Folder of the records that are remembered."""
         return OUT / "records" / self.spec
@@ -55,13 +60,13 @@ class World:
     @property
     def fresh_folder(self) -> Path:
         """Folder of the fresh draws."""
-        return OUT / f"fresh-{frozen_seed()}" / self.spec
+        return OUT / f"fresh-{self.seed}" / self.spec
 
     def draw(self, workers: int) -> None:
         """Draw what is missing of records and fresh situations."""
         spec = replace(dataset.read_spec(SPECS / f"{self.spec}.toml"), audit=0.0)
         dataset.generate(replace(spec, count=self.records), self.records_folder, workers)
-        fresh = replace(spec, count=self.draws, seed=frozen_seed())
+        fresh = replace(spec, count=self.draws, seed=self.seed)
         dataset.generate(fresh, self.fresh_folder, workers)
 
     @cached_property
@@ -86,11 +91,6 @@ class World:
             if left[record.stratum] > 0:
                 left[record.stratum] -= 1
                 yield Question(record.stratum, record.family, record.index, record.situation)
-
-
-def frozen_seed() -> int:
-    """Return the seed of the fresh situations."""
-    return int(json.loads(FROZEN.read_text("utf-8"))["seed"])
 
 
 WORLDS = {

@@ -8,7 +8,6 @@ Finished situations are kept in out/ and not repeated. Ask on a machine that doe
 from __future__ import annotations
 
 import argparse
-import json
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import islice, product
@@ -19,6 +18,7 @@ from run import FROZEN, HERE, OUT, ROUNDS, WARM, WORLDS, answer, drawn
 from experiments import recompute
 from experiments.common import outcomes
 from experiments.common.asking import ask_in_turns, rows_of
+from experiments.common.freezing import frozen_seed
 from gcm_learn.execution import ExactPlant, Loop, Occasion, Perception, run_closed_loop
 from gcm_learn.motion import Movement
 from gcm_learn.planners import TreeSearch, get_planner
@@ -104,7 +104,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--count", type=int, default=COUNT, help="sequences (default: %(default)s)")
     given = parser.parse_args()
-    seed, mine = int(json.loads(FROZEN.read_text("utf-8"))["seed"]), list(legs().items())
+    seed, mine = frozen_seed(FROZEN, "space"), list(legs().items())
     cases = list(islice(drawn(WORLDS["space"], seed), WARM + given.count))
     for number, situation in cases[:WARM]:  # kernels are loaded now
         list(answers(number, situation, mine))

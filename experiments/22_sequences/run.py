@@ -24,6 +24,7 @@ from report import asked_of, best_without, write_figure
 
 from experiments.common.asking import ask_in_turns, publish, rows_of
 from experiments.common.charging import after
+from experiments.common.freezing import frozen_seed
 from experiments.common.judging import complaints
 from gcm_learn.families import draw, preset_families
 from gcm_learn.planners import Deadline, Plan, TreeSearch, get_planner
@@ -33,8 +34,9 @@ from gcm_learn.planners.sequences import joined
 HERE = Path(__file__).resolve().parent
 OUT, CHOICE = HERE / "out", HERE / "choice.json"
 FROZEN = HERE / "frozen.json"
-"""The commit that froze code and generator, and the seed that its hash gives."""
+"""Commits that froze code and generator, and the seeds that their hashes give."""
 VALIDATION, EACH = 1522, 60  # seed and situations by which the best without memory is chosen
+PARTS = ("world", "method")  # of the outcomes, which are kept until they are asked anew
 WARM = 3  # situations that are asked first and not counted
 PERIODS = (1, 2, 5, 10)  # of thinking that are charged
 PERIOD = 0.02  # [s]
@@ -152,7 +154,7 @@ def main() -> None:
         if given.part == "choose":
             choose(name)
         elif given.part in ("ask", "later"):
-            seed = int(json.loads(FROZEN.read_text("utf-8"))["seed"])
+            seed = frozen_seed(FROZEN, name)
             file = OUT / f"fresh-{seed}-{name}-{given.part}.jsonl"
             choice = json.loads(CHOICE.read_text("utf-8")).get(name)
             if choice is None:
@@ -161,7 +163,7 @@ def main() -> None:
             names = chosen if given.part == "ask" else {LATER}
             ask(name, seed, WORLDS[name].count, file, names)
     if given.part == "report":
-        publish(HERE, sorted(OUT.glob("fresh-*.jsonl")), write_figure)
+        publish(HERE, sorted(OUT.glob("fresh-*.jsonl")), write_figure, PARTS)
 
 
 if __name__ == "__main__":

@@ -50,10 +50,29 @@ def rows_of(files: Iterable[Path]) -> list[dict[str, Any]]:
 
 
 def publish(
-    folder: Path, files: Iterable[Path], write_figure: Callable[[Path, outcomes.Outcomes], None]
+    folder: Path,
+    files: Iterable[Path],
+    write_figure: Callable[[Path, outcomes.Outcomes], None],
+    parts: Sequence[str] = (),
 ) -> None:
-    """Write an experiment's outcomes, its tables and its figure from files of answers."""
-    file = folder / "outcomes.csv.gz"
-    outcomes.write(file, rows_of(files))
+    """Write an experiment's outcomes, its tables and its figure from files of answers.
+
+    Parameters
+    ----------
+    folder : Path
+        Of the experiment.
+    files : iterable of Path
+        Written by `ask_in_turns`.
+    write_figure : callable
+    parts : sequence of str
+        Columns by which earlier outcomes are kept: a part that was asked anew replaces its earlier
+        rows, other parts stay. Without columns nothing is kept.
+    """
+    file, rows = folder / "outcomes.csv.gz", rows_of(files)
+    if parts and file.exists():
+        anew = {tuple(str(row[name]) for name in parts) for row in rows}
+        earlier = outcomes.cells(file)
+        rows += [row for row in earlier if tuple(row[name] for name in parts) not in anew]
+    outcomes.write(file, rows)
     recompute.update(folder)
     write_figure(folder / "figure.png", outcomes.read(file))

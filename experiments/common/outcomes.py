@@ -97,6 +97,12 @@ def kept(file: Path, make: Callable[[], Iterable[Mapping[str, Any]]]) -> list[di
     return [json.loads(line) for line in file.read_text("utf-8").splitlines()]
 
 
+def cells(file: Path) -> list[dict[str, str]]:
+    """Return the rows of a file as they are written; `write` takes them again."""
+    with gzip.open(file, "rt", encoding="utf-8", newline="") as stream:
+        return list(csv.DictReader(stream))
+
+
 def read(file: Path) -> Outcomes:
     """Read the rows of a file."""
     with gzip.open(file, "rt", encoding="utf-8", newline="") as stream:
@@ -111,7 +117,7 @@ def _cell(name: str, value: Any) -> str:
         return ""
     if isinstance(value, bool | np.bool_):
         return str(int(value))
-    if name in DIGITS:
+    if name in DIGITS and not isinstance(value, str):
         return f"{value:.{DIGITS[name]}f}".rstrip("0").rstrip(".")
     return str(value)
 
