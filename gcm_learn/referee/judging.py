@@ -141,7 +141,8 @@ def _contacts(
         if complaints:
             break
     free = None if math.isinf(nearest.gap) else nearest.gap
-    return free, complaints or _clearance(free, reported, close)
+    most = close if arm.granted.compares_clearance else math.inf
+    return free, complaints or _clearance(free, reported, most)
 
 
 def _clearance(free: float | None, reported: Any, close: float) -> list[Complaint]:

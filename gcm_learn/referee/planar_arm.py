@@ -14,9 +14,9 @@ from gcm_learn.referee.complaints import Complaint
 from gcm_learn.referee.contact import Motion
 from gcm_learn.referee.curves import curve_of
 from gcm_learn.referee.cuts import deepest
-from gcm_learn.referee.planar_rates import joint_rates
+from gcm_learn.referee.planar_rates import joint_rates, nearest_shares
 from gcm_learn.referee.rotations import Array
-from gcm_learn.referee.tolerances import INTERPOLATION, LEAP, ROUNDING, SIDE, TOLERANCES
+from gcm_learn.referee.tolerances import EDGE, INTERPOLATION, LEAP, ROUNDING, SIDE, TOLERANCES
 
 Columns = Mapping[str, Array]
 NO_PAIRS = np.zeros((0, 2), dtype=int)
@@ -179,20 +179,19 @@ class PlanarArm:
         """Return complaints about a catch of a body at a time: the distance in the plane."""
         hand = np.array([[np.interp(time, columns["time"], x) for x in columns["hand"].T]])
         if self.solid:
-            away = deepest(body, time, self.plane.origin, self.plane.axes, hand[0], self.grasp)
-            caught = away <= self.granted.grasp
-        else:
-            away = float(body.gaps(time, self.plane.lift(hand))[0]) - self.grasp
-            caught = away <= self.granted.grasp
+            # Granted in the plane: where it cuts a solid flatly, a depth says little of the way.
+            reach = self.grasp + self.granted.grasp
+            away = deepest(body, time, self.plane.origin, self.plane.axes, hand[0], reach)
+            caught = away <= EDGE
+            return [] if caught else [f"misses {body.name}: no point of its cut is within grasp"]
+        away = float(body.gaps(time, self.plane.lift(hand))[0]) - self.grasp
+        caught = away <= self.granted.grasp
         return [] if caught else [f"misses {body.name} by {away:.9g}, grasp {self.grasp:g}"]
 
 
 def _nearest_to_shoulder(hand: Array) -> Array:
     """Return the least distances (n - 1,) of straight pieces of a hand path to the shoulder."""
-    step = np.diff(hand, axis=0)
-    length2 = (step**2).sum(axis=1)
-    s = -(hand[:-1] * step).sum(axis=1) / np.where(length2 > 0.0, length2, 1.0)
-    return np.linalg.norm(hand[:-1] + np.clip(s, 0.0, 1.0)[:, None] * step, axis=1)
+    return np.linalg.norm(hand[:-1] + nearest_shares(hand) * np.diff(hand, axis=0), axis=1)
 
 
 class HandMotion:

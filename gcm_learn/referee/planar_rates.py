@@ -38,7 +38,19 @@ def joint_rates(arm: Elbowed, time: Array, hand: Array) -> Array:
         rows = np.arange(len(span))
         low, high = s[rows, np.maximum(top - 1, 0)], s[rows, np.minimum(top + 1, INSTANTS - 1)]
         s = np.linspace(low, high, INSTANTS, axis=1)
+    out = np.maximum(out, _rates(arm, span, hand, nearest_shares(hand)).max(axis=1))
     return np.where(moves[:, None], out, 0.0)
+
+
+def nearest_shares(hand: Array) -> Array:
+    """Return shares (n - 1, 1) of the pieces at which they are nearest to the shoulder.
+
+    Rates peak there, as narrowly as the hand passes near.
+    """
+    step = np.diff(hand, axis=0)
+    length2 = (step**2).sum(axis=1)
+    s = -(hand[:-1] * step).sum(axis=1) / np.where(length2 > 0.0, length2, 1.0)
+    return np.clip(s, 0.0, 1.0)[:, None]
 
 
 def _rates(arm: Elbowed, span: Array, hand: Array, s: Array) -> Array:

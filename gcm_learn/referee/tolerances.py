@@ -18,6 +18,8 @@ INTERPOLATION = 1e-3
 """Distance between hands of planar arms by `hand` and by `joints` between samples [forearms]."""
 SIDE = 1e-6
 """Sine of the elbow of planar arms on the wrong side."""
+EDGE = 1e-12
+"""Distance to a solid at which a point of the plane is on its cut."""
 LEAP = 3.0
 """Change of a planar arm's joint between samples that is a jump [rad]."""
 
@@ -48,11 +50,15 @@ class Tolerances:
     """Distance to contact at t = 0 within which either status is right; *contract* of version 3."""
     clearance: float = 1e-3
     """Of the reported clearance (size)."""
+    compares_clearance: bool = True
+    """False if a reported clearance is information only; *contract* of version 3."""
 
 
 TOLERANCES = {
     1: Tolerances(grasp=1e-7, clearance=2.5e-4),
     2: Tolerances(clearance=5e-4),
-    3: Tolerances(range_absolute=1e-6, touch_absolute=1e-6, grasp_absolute=1e-6),
+    3: Tolerances(
+        range_absolute=1e-6, touch_absolute=1e-6, grasp_absolute=1e-6, compares_clearance=False
+    ),
 }
 """By version of the exchange format."""

@@ -10,6 +10,7 @@ from scipy.optimize import minimize
 
 from gcm_learn.referee import examine, judge
 from gcm_learn.referee.planar_arm import HandMotion, read_planar
+from gcm_learn.referee.planar_rates import joint_rates
 from gcm_learn.situation import situation_from_json
 from tests.geometry import (
     arm_of,
@@ -61,6 +62,16 @@ def most(make, order):
         s = np.linspace(0.0, span, 20_001)
         rows.append([np.abs(np.polynomial.Polynomial(c).deriv(order)(s)).max() for c in piece])
     return np.max(rows, axis=0)
+
+
+@pytest.mark.parametrize("near", [1e-2, 1e-4, 1e-6])
+def test_a_hand_that_passes_the_shoulder_turns_the_arm_as_fast_as_it_is_near(near):
+    """With equal segments the shoulder turns with the direction of the hand where it is nearest."""
+    situation, _ = planar()
+    situation["arm"]["upper_arm"] = 1.0
+    path = np.array([[-0.31, near], [0.5, near]])
+    rates = joint_rates(read_planar(situation), np.array([0.0, 0.81]), path)
+    assert rates[0, 0] == pytest.approx(1.0 / near, rel=1e-4)
 
 
 @pytest.mark.parametrize("smooth", [False, True])

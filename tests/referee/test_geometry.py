@@ -235,6 +235,21 @@ def test_the_grasp_of_solids_is_measured_in_the_plane_to_their_cut(gap, caught):
     assert ["misses" in str(complaint) for complaint in found] == [True]
 
 
+@pytest.mark.parametrize("tilt", [1e-1, 1e-3, 1e-4])
+def test_the_grasp_of_a_plate_that_hardly_meets_the_plane_is_measured_in_the_plane(tilt):
+    """Beyond the cut of a tilted plate, 2e-6 thick, the solid stays near for long."""
+    situation, solution = planar()
+    x, y = solution["trajectory"]["hand"][-1]
+    situation["plane"] = {"origin": [0, 0, 0], "x": [1, 0, 0], "y": [0, 1, 0]}
+    turn = [np.cos(0.5 * tilt), 0.0, np.sin(0.5 * tilt), 0.0]
+    edge = 1e-6 / np.sin(tilt)  # half the width of the cut
+    plate = {"kind": "box", "half_extents": [0.1, 0.1, 1e-6]}
+    for off, caught in ((-1e-5, True), (1e-5, False)):
+        motion = still([x + 0.04 + off + edge, y, 0.0]) | {"orientation": turn}
+        solid = situation | {"bodies": [body("target", "goal", plate, motion)]}
+        assert (judge(solid, solution | {"clearance": None}) == []) == caught
+
+
 @pytest.mark.parametrize("case", MADE)
 def test_a_catch_at_once_has_one_sample(case):
     situation, solution = MADE[case]()
