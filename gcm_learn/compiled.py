@@ -25,7 +25,10 @@ from numba.core.registry import CPUDispatcher
 from numba.core.types.misc import unliteral
 
 from gcm_learn import storage
+from gcm_learn.boxing import replace_numbas
 from gcm_learn.parts import PartCompiler, WholeCompiler, loading
+
+replace_numbas()
 
 PACKAGE = Path(__file__).parent
 LOCK = "saving.lock"  # in a folder of compiled code

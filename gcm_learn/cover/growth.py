@@ -14,12 +14,14 @@ from gcm_learn.cover.catches import Doubt, StoredCatch, doubt_of, planned
 from gcm_learn.cover.cover import CLOSED, OPEN, Cell, Cover
 from gcm_learn.cover.families import ParametricFamily
 from gcm_learn.processes import Crew
-from gcm_learn.scene import pack
+from gcm_learn.scene import Scene, pack
 
 BATCH = 16
 """Cells that are examined before their results are used, whoever does it."""
 NEIGHBOURS = 3
 """Stored catches that are tried before one is planned."""
+SPARED = 2
+"""Cuts that are left to be found by examination."""
 SMALLEST = 1.0 / 64.0
 """Side of a cell, as a share of the box's, at which it is not cut any more."""
 SAVED_EVERY = 20.0
@@ -44,6 +46,8 @@ class Finding:
     catch: StoredCatch | None = None
     """A catch that was planned for the middle; it holds in the cell if there is no doubt."""
     doubt: Doubt | None = None
+    axes: tuple[int, ...] = ()
+    """Parameters along which the cell is to be cut, one after the other; empty to give it up."""
 
 
 def examine(question: Question) -> Finding:
@@ -60,10 +64,27 @@ def examine(question: Question) -> Finding:
         if doubts[-1] is None:
             return Finding(catch=catch)
     if catches:
-        return Finding(catch=catches[0], doubt=doubts[0])
+        axes = _cuts(question, catches[0], doubts[0], scene)
+        return Finding(catch=catches[0], doubt=doubts[0], axes=axes)
     drifts = family.drifts(np.linspace(0.0, family.middle.horizon, 5))
     moved = np.linalg.norm(drifts, axis=-1).max(axis=(0, 2))
-    return Finding(doubt=Doubt(reason, half * moved))
+    return Finding(doubt=(doubt := Doubt(reason, half * moved)), axes=_axis(family, half, doubt))
+
+
+def _cuts(question: Question, catch: StoredCatch, doubt: Doubt, scene: Scene) -> tuple[int, ...]:
+    """Return the parameters along which to cut a cell before its parts are worth a plan.
+
+    Its sides are halved about the middle until the catch holds there. The last of these cuts are
+    left to the parts, whose own catches may hold in more.
+    """
+    family, centre, half = question.family, question.centre, question.half.copy()
+    axes: list[int] = []
+    left: Doubt | None = doubt
+    while left is not None and (axis := _axis(family, half, left)):
+        axes.extend(axis)
+        half[axis[0]] *= 0.5
+        left = doubt_of(family, catch, centre, half, scene)
+    return tuple(axes[: max(len(axes) - SPARED, 1)])
 
 
 @dataclass(frozen=True)
@@ -161,21 +182,32 @@ def _use(cover: Cover, k: int, finding: Finding, queue: list[tuple[float, int]])
         cover.hold(cell, index)
         return cover.size(cell)
     cell.reason = finding.doubt.reason
-    axis = _axis(cover, cell, finding.doubt.shares)
-    if axis < 0:
+    if not finding.axes:
         cell.held = CLOSED
         return 0.0
-    cell.cut_in(axis, len(cover.cells))
-    for lower in (True, False):
-        half = Cell(cell.low.copy(), cell.high.copy(), trial=index)
-        (half.high if lower else half.low)[axis] = cell.cut
-        heapq.heappush(queue, (-cover.size(half), len(cover.cells)))
-        cover.cells.append(half)
+    _cut(cover, k, finding.axes, index, queue)
     return 0.0
 
 
-def _axis(cover: Cover, cell: Cell, shares: np.ndarray) -> int:
-    """Return the parameter that adds most to the doubt among those still to be cut; else -1."""
-    sides = (cell.high - cell.low) / (cover.family.high - cover.family.low)
-    weights = np.where(sides > SMALLEST * (1.0 + 1e-9), shares, -1.0)
-    return int(weights.argmax()) if weights.max() >= 0.0 else -1
+def _cut(
+    cover: Cover, k: int, axes: tuple[int, ...], trial: int, queue: list[tuple[float, int]]
+) -> None:
+    """Cut a cell along parameters, one after the other; the last parts wait for examination."""
+    cell, first = cover.cells[k], len(cover.cells)
+    if not axes:
+        heapq.heappush(queue, (-cover.size(cell), k))
+        return
+    cell.cut_in(axes[0], first)
+    for lower in (True, False):
+        half = Cell(cell.low.copy(), cell.high.copy(), trial=trial)
+        (half.high if lower else half.low)[axes[0]] = cell.cut
+        cover.cells.append(half)
+    for part in (first, first + 1):
+        _cut(cover, part, axes[1:], trial, queue)
+
+
+def _axis(family: ParametricFamily, half: np.ndarray, doubt: Doubt) -> tuple[int, ...]:
+    """Return the parameter that adds most to a doubt, if a side is left that may be cut."""
+    sides = 2.0 * half / (family.high - family.low)
+    weights = np.where(sides > SMALLEST * (1.0 + 1e-9), doubt.shares, -1.0)
+    return (int(weights.argmax()),) if weights.max() >= 0.0 else ()

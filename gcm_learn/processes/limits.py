@@ -11,7 +11,7 @@ from types import FrameType
 
 from numba.core.compiler_lock import global_compiler_lock
 
-TICK = 0.1  # between readings of the clock [s]
+TICK, SHORTEST = 0.1, 1e-3  # between readings of the clock [s]
 
 
 class OutOfTime(BaseException):
@@ -46,7 +46,7 @@ def time_limit(seconds: float | None) -> Iterator[None]:
         if spent >= seconds and not done:
             raise OutOfTime
 
-    tick = min(TICK, seconds)
+    tick = max(min(TICK, seconds), SHORTEST)
     before = signal.signal(signal.SIGALRM, look)
     left, every = signal.setitimer(signal.ITIMER_REAL, tick, tick)
     try:
