@@ -10,13 +10,14 @@ from __future__ import annotations
 from functools import cache, partial
 from typing import Any
 
-from numba.core import pythonapi, serialize, types
+from numba.core import pythonapi, serialize
 from numba.core.boxing import box_tuple
+from numba.core.types.containers import NamedTuple, NamedUniTuple
 
 
 def replace_numbas() -> None:
     """Let numba use what is here, in this process."""
-    for kind in (types.NamedTuple, types.NamedUniTuple):
+    for kind in (NamedTuple, NamedUniTuple):
         pythonapi._boxers.functions[kind] = _box_named_tuple
     if not hasattr(serialize._numba_unpickle, "cache_info"):
         serialize._numba_unpickle = cache(serialize._numba_unpickle)

@@ -42,7 +42,16 @@ def skeleton(tmp_path):
     for layer in LAYERS:
         (package / layer).mkdir(parents=True)
         (package / layer / "__init__.py").touch()
-    for module in ("__init__", "errors", "seeding", "compiled", "dispatch", "boxing", "parts", "processes"):
+    for module in (
+        "__init__",
+        "errors",
+        "seeding",
+        "compiled",
+        "dispatch",
+        "boxing",
+        "parts",
+        "processes",
+    ):
         (package / f"{module}.py").touch()
     return package
 

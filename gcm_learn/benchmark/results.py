@@ -4,20 +4,22 @@ from __future__ import annotations
 
 import gzip
 import json
-import math
 from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any
 
 from gcm_learn import artifacts
 from gcm_learn.errors import FileFormatError, SuiteError
-from gcm_learn.planners import LIMIT
+from gcm_learn.planners import FAULTS, LIMIT
 from gcm_learn.storage import write_whole
 
 FORMAT = "gcm-learn/benchmark-result@1"
 PROTOCOL = 1
 """Version of the protocol in docs/benchmark.md."""
 PACKED = ".gz"
+LARGEST_FACTOR = 1e6
+MOST = {"ms": 1e9, "nodes": 2**53}
+"""Largest numbers of an answer."""
 OURS = "benchmark-results"  # folder among the data
 FIELDS: Mapping[str, type | tuple[type, ...]] = {
     "method": str,
@@ -99,15 +101,24 @@ def _check(values: dict[str, Any]) -> None:
     if not 0.0 < values["limit_s"] <= LIMIT:
         raise ValueError(f"limit_s: must be at most {LIMIT:g} (got {values['limit_s']})")
     factor = values["calibration"].get("factor")
-    if not isinstance(factor, (int, float)) or not 0.0 < factor < math.inf:
-        raise ValueError(f"calibration.factor: must be a positive number (got {factor!r})")
+    if type(factor) not in (int, float) or not 0.0 < factor <= LARGEST_FACTOR:
+        raise ValueError(f"calibration.factor: must be above 0, at most {LARGEST_FACTOR:g}")
+    if not values["runs"]:
+        raise ValueError("runs: must have at least one")
     for k, run in enumerate(values["runs"]):
         _typed(run, OF_RUN, f"runs[{k}].")
         for number, answer in enumerate(run["answers"]):
-            place = f"runs[{k}].answers[{number}]."
-            _typed(answer, OF_ANSWER, place)
-            if not 0.0 <= answer["ms"] < math.inf:
-                raise ValueError(f"{place}ms: must be from 0 on (got {answer['ms']})")
+            check_answer(answer, f"runs[{k}].answers[{number}].")
+
+
+def check_answer(answer: Any, place: str = "") -> None:
+    """Refuse an answer with wrong fields, by a ValueError that names the field."""
+    _typed(answer, OF_ANSWER, place)
+    for name, most in MOST.items():
+        if not 0 <= answer[name] <= most:
+            raise ValueError(f"{place}{name}: must be from 0 to {most:g}")
+    if answer["fault"] not in ("", *FAULTS):
+        raise ValueError(f"{place}fault: must be one of {', '.join(FAULTS)}, or empty")
 
 
 def _typed(values: Any, fields: Mapping[str, type | tuple[type, ...]], place: str) -> None:

@@ -11,7 +11,7 @@ from gcm_learn import __version__
 from gcm_learn.benchmark.cases import Case, Loaded, load_suite
 from gcm_learn.benchmark.judging import ERROR, judged
 from gcm_learn.benchmark.machine import REFERENCE_MS, factor_of, machine, passes, spent
-from gcm_learn.benchmark.results import FORMAT, PROTOCOL
+from gcm_learn.benchmark.results import FORMAT, PROTOCOL, check_answer
 from gcm_learn.errors import SuiteError
 from gcm_learn.planners import (
     FAULTS,
@@ -22,12 +22,10 @@ from gcm_learn.planners import (
     name_of,
     plan_to_json,
     plan_with,
+    source_of,
     taken,
 )
 from gcm_learn.processes import OutOfTime, time_limit
-
-UNSAID = "no reason was given"
-"""Message of plans without one: the exchange format wants a sentence, which is no promise."""
 
 
 def run(
@@ -52,7 +50,8 @@ def run(
     limit : float
         Time on the wall for each answer [s]; one that takes longer is an error.
     part : Path, optional
-        File of answers that are there already; new ones are added to it.
+        File of answers that are there already; new ones are added to it. It is begun anew if it is
+        of another method, suite, limit, version or machine, or if the method's file has changed.
     progress : callable
         Told how many answers are new.
 
@@ -74,7 +73,11 @@ def run(
     for suite in loaded:
         for case in suite.cases:
             taken(planner, case.item.situation)
-    kept = Kept(part, {"method": named, "suites": [s.sha256 for s in loaded], "limit": limit})
+    head = {
+        "method": named, "source": source_of(method), "suites": [s.sha256 for s in loaded],
+        "limit": limit, "package": __version__, "protocol": PROTOCOL, "machine": dict(machine()),
+    }  # fmt: skip
+    kept = Kept(part, head)
     kept.add({"passes": passes()})
     for suite in loaded:
         for answer in _answers(planner, suite, limit, kept.of(suite)):
@@ -123,15 +126,30 @@ class Kept:
 
 
 def _whole_lines(path: Path) -> list[dict[str, Any]]:
-    """Return the lines of a file up to one that was not written to its end."""
+    """Return the lines of a file up to one that is damaged or was not written to its end."""
     found: list[dict[str, Any]] = []
     if path.exists():
-        for line in path.read_text("utf-8", errors="replace").splitlines():
+        for text in path.read_text("utf-8", errors="replace").splitlines():
             try:
-                found.append(json.loads(line))
+                line = json.loads(text)
+                _check_line(line, bool(found))
             except ValueError:
                 break
+            found.append(line)
     return found
+
+
+def _check_line(line: Any, after_head: bool) -> None:
+    """Raise ValueError if a line is none of the head, passes of calibration or an answer."""
+    if not isinstance(line, dict):
+        raise ValueError("no object")
+    if not after_head:
+        return
+    passes = line.get("passes", [])
+    if not isinstance(passes, list) or not all(isinstance(one, float) for one in passes):
+        raise ValueError("passes")
+    if "passes" not in line:
+        check_answer(line.get("answer"))
 
 
 def _answers(
@@ -160,7 +178,6 @@ def _asked(planner: Planner, case: Case, limit: float) -> dict[str, Any]:
     if plan is not None:
         try:
             values = plan_to_json(plan, situation)
-            values["message"] = plan.message or UNSAID
             solution = json.loads(json.dumps(values, allow_nan=False))
             fault = plan.status if plan.status in FAULTS else ""
             told = {"nodes": plan.nodes, "fault": fault, "message": plan.message}

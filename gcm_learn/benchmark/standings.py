@@ -32,13 +32,15 @@ class Standing:
     median_ms: float
     """Of all answers [ms, calibrated]."""
     ratio: float
-    """Catch time over the earliest of all methods, on average over its catches."""
+    """Catch time over the earliest of all methods, on average over its catches; NaN if several
+    targets are wanted, since a later catch may then be one more."""
     broken: int
     errors: int
     nodes: float
     """Mean of all answers."""
     p: float
-    """Of McNemar's test against the first, corrected by Holm; NaN for the first."""
+    """Of McNemar's test against the first, corrected by Holm; NaN for the first. Where several
+    targets are wanted, a situation counts for the method that catches more of them."""
     targets: float
     """Share of all targets that are wanted, each for itself."""
     times_ms: tuple[float, ...]
@@ -60,7 +62,9 @@ def runs_by_suite(results: Sequence[Mapping[str, Any]]) -> dict[str, list[Run]]:
 
 
 def standings(suite: Loaded, runs: Sequence[Run]) -> list[Standing]:
-    """Judge all answers again and return the methods, who catches most first.
+    """Judge all answers again and return the methods, the one that catches most first.
+
+    Where several targets are wanted, all targets count.
 
     Raises
     ------
@@ -75,9 +79,10 @@ def standings(suite: Loaded, runs: Sequence[Run]) -> list[Standing]:
         for _, run in runs
     ]
     factors = [float(result["calibration"]["factor"]) for result, _ in runs]
-    hits = [_hits(suite, found) for found in verdicts]
-    order = sorted(range(len(runs)), key=lambda k: (-int(hits[k].sum()), names[k]))
-    chances = holm([mcnemar(hits[order[0]], hits[k])[2] for k in order[1:]])
+    scores = [_scores(suite, found) for found in verdicts]
+    order = sorted(range(len(runs)), key=lambda k: (-int(scores[k].sum()), names[k]))
+    first = scores[order[0]]
+    chances = holm([mcnemar(first > scores[k], scores[k] > first)[2] for k in order[1:]])
     best = _earliest(verdicts)
     return [
         _standing(suite, names[k], verdicts[k], factors[k], best, p)
@@ -107,6 +112,15 @@ def _distinct(names: Sequence[str]) -> list[str]:
     return made
 
 
+def _scores(suite: Loaded, found: Sequence[Judged]) -> np.ndarray:
+    """Return what counts in each situation: targets where several are wanted, else catches."""
+    hits = _hits(suite, found).astype(int)
+    if not asks_for_several(suite):
+        return hits
+    counted = [case.item.stratum != UNREACHABLE for case in suite.cases]
+    return hits * np.array([one.targets for one in found])[np.array(counted)]
+
+
 def _hits(suite: Loaded, found: Sequence[Judged]) -> np.ndarray:
     """Return which of the situations that count are caught."""
     counted = [case.item.stratum != UNREACHABLE for case in suite.cases]
@@ -126,8 +140,7 @@ def _standing(
     counted = [v for v, c in zip(found, suite.cases, strict=True) if c.item.stratum != UNREACHABLE]
     times = sorted(factor * one.ms for one in counted if one.outcome == CAUGHT)
     count = len(counted)
-    pairs = zip(found, best.tolist(), strict=True)
-    ratios = [one.catch_time / first for one, first in pairs if one.catch_time is not None]
+    ratios = [] if asks_for_several(suite) else _ratios(found, best)
     return Standing(
         method=method,
         caught=wilson(int(hits.sum()), count),
@@ -143,6 +156,16 @@ def _standing(
         times_ms=tuple(times),
         answers=len(found),
     )
+
+
+def _ratios(found: Sequence[Judged], best: np.ndarray) -> list[float]:
+    """Return catch times over the earliest ones; beside a catch at t = 0 only another one has."""
+    pairs = [(one.catch_time, first) for one, first in zip(found, best.tolist(), strict=True)]
+    return [
+        1.0 if time == first else time / first
+        for time, first in pairs
+        if time is not None and (first > 0.0 or time == first)
+    ]
 
 
 def _wanted(suite: Loaded) -> int:

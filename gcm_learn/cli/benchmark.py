@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -15,7 +16,7 @@ from gcm_learn.cli.progress import Progress
 if TYPE_CHECKING:
     from gcm_learn.benchmark import Loaded, Standing
 
-LONGEST = 60.0  # of an answer, by the protocol [s]
+SHORTEST, LONGEST = 1e-3, 60.0  # of an answer; the longest by the protocol [s]
 
 
 @dataclass(frozen=True)
@@ -29,7 +30,7 @@ class Benchmark:
     """a planner's name, an actor as clone@20, or your own: module:name, path.py:name, model.zip"""
 
     suite: Annotated[str, arg(metavar="NAME")] = "plane"
-    """plane, plane-held-out, space, space-accelerated, panda-easy, panda-crowded,
+    """plane, plane-held-out, space, space-accelerated, space-sequences, panda-easy, panda-crowded,
     panda-crowded-accelerated, or a .jsonl file of situations; several with commas"""
 
     out: Annotated[Path, arg(metavar="FILE")] = Path("result.json")
@@ -43,11 +44,14 @@ class Benchmark:
 
     def run(self) -> int:
         """Ask, write the file and print the measures."""
-        if not 0.0 < self.limit <= LONGEST:
-            raise CommandFailure(f"--limit {self.limit:g}: must be above 0, at most {LONGEST:g}")
+        if not SHORTEST <= self.limit <= LONGEST:
+            told = f"must be from {SHORTEST:g} to {LONGEST:g}"
+            raise CommandFailure(f"--limit {self.limit:g}: {told}")
         names = list(dict.fromkeys(name for name in self.suite.split(",") if name))
         if not names:
             raise CommandFailure("--suite: names at least one")
+        if not self.out.name or self.out.is_dir():
+            raise CommandFailure(f"--out {self.out}: is a folder")
         from gcm_learn import benchmark
 
         for name in names:
@@ -81,5 +85,7 @@ def _print(suite: Loaded, found: Standing) -> None:
         for share, budget in zip(found.within, BUDGETS_MS, strict=True)
     )
     told = f"{suite.name}: caught {share:.1f} % ({low:.0f} to {high:.0f}); {within}"
+    if math.isnan(share):
+        told = f"{suite.name}: nothing can be caught"
     faults = f"broken promises: {found.broken}, errors: {found.errors}"
-    print(f"{told}; {faults}; {found.answers} answers, each counted")
+    print(f"{told}; {faults}; {found.answers} answers")

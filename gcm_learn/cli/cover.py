@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 from tyro.conf import Positional, arg
 
 from gcm_learn.cli.failures import CommandFailure, why
+from gcm_learn.cli.files import made_folder
 from gcm_learn.cli.progress import Progress, check_workers
 
 if TYPE_CHECKING:
@@ -61,6 +62,7 @@ class Cover:
         from gcm_learn.processes import crew_of
 
         cover = self._begun(parametric_family(self.family).free(self.free))
+        made_folder(self.out, option="--out")
         budget = Budget(self.share, self.minutes, self.cells)
         with crew_of(self.workers) as crew, Progress(round(PARTS * self.share), "‰") as bar:
 

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import json
+import zlib
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import Any
+from zipfile import BadZipFile
 
 import numpy as np
 
@@ -127,8 +129,7 @@ class Cover:
         arrays = _arrays_of(self.cells, [self.catches[k] for k in kept], kept)
         reasons = sorted({cell.reason for cell in self.cells})
         arrays["reason"] = np.array([reasons.index(cell.reason) for cell in self.cells])
-        hashed = content_hash(*(np.ascontiguousarray(a).data.cast("B") for a in arrays.values()))
-        data = folder / f"cells-{hashed[:16]}.npz"
+        data = folder / _file_of(arrays)
         with whole_file(data) as place:
             np.savez(place, **arrays)  # type: ignore[arg-type]
         about = {
@@ -144,6 +145,11 @@ class Cover:
         for old in folder.glob("cells-*.npz"):
             if old != data:
                 old.unlink()
+
+
+def _file_of(arrays: dict[str, np.ndarray]) -> str:
+    """Return the name of the file of arrays, which has their hash."""
+    return f"cells-{content_hash(*(array.tobytes() for array in arrays.values()))[:16]}.npz"
 
 
 def _arrays_of(
@@ -187,12 +193,17 @@ def load_cover(folder: Path) -> Cover:
             arrays = {name: stored[name] for name in stored.files}
         if about["digest"] != family.digest:
             raise CoverError(f"{path}: family {family.name!r} has changed; make the cover anew")
+        if about["data"] != _file_of(arrays):
+            raise CoverError(f"{folder / about['data']}: is damaged, or was changed by hand")
         cells, catches = _cells_of(arrays, about["reasons"]), _catches_of(arrays)
-        return Cover(family, cells, catches, [tuple(row) for row in about["curve"]])
+        curve = [(int(n), int(held), *map(float, rest)) for n, held, *rest in about["curve"]]
+        return Cover(family, cells, catches, curve)  # type: ignore[arg-type]
     except FileNotFoundError as error:
         missing = Path(error.filename).name
         raise CoverError(f"{folder}: no cover there ({missing} is missing)") from None
-    except (OSError, ValueError, KeyError, TypeError, IndexError) as error:
+    except (BadZipFile, zlib.error) as error:
+        raise CoverError(f"{folder / about['data']}: is damaged ({error})") from None
+    except (OSError, EOFError, ValueError, KeyError, TypeError, IndexError) as error:
         raise CoverError(f"{path}: not a cover ({error})") from None
 
 

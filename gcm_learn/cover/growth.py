@@ -60,9 +60,10 @@ def examine(question: Question) -> Finding:
     catches, reason = planned(family, centre)
     doubts = []
     for catch in catches:
-        doubts.append(doubt_of(family, catch, centre, half, scene))
-        if doubts[-1] is None:
+        doubt = doubt_of(family, catch, centre, half, scene)
+        if doubt is None:
             return Finding(catch=catch)
+        doubts.append(doubt)
     if catches:
         axes = _cuts(question, catches[0], doubts[0], scene)
         return Finding(catch=catches[0], doubt=doubts[0], axes=axes)
@@ -124,7 +125,7 @@ def grow(
     crew : Crew
         Examines cells.
     keep : callable
-        Called now and then, and at the end, to save the cover.
+        Called now and then, at the end and at an interruption, to save the cover.
     progress : callable
         Called with the share that is covered.
     """
@@ -134,7 +135,11 @@ def grow(
     started = saved = time.monotonic()
     while queue and share < budget.share and not budget.spent(cover, time.monotonic() - started):
         batch = [heapq.heappop(queue)[1] for _ in range(min(BATCH, len(queue)))]
-        findings = list(crew.map(examine, [_question(cover, k) for k in batch]))
+        try:
+            findings = list(crew.map(examine, [_question(cover, k) for k in batch]))
+        except KeyboardInterrupt:
+            keep(cover)
+            raise
         for k, finding in zip(batch, findings, strict=True):
             share += _use(cover, k, finding, queue)
         now = time.monotonic()

@@ -12,10 +12,12 @@ import numpy as np
 
 from gcm_learn import artifacts
 from gcm_learn.arms import Kind, kind_of
+from gcm_learn.cover.belts import FAMILIES
 from gcm_learn.cover.cover import CLOSED, MANIFEST, Cell, Cover, load_cover
+from gcm_learn.cover.families import SAME
 from gcm_learn.errors import CoverError
 from gcm_learn.motion import Failure, rules_of, verify
-from gcm_learn.planners import Plan
+from gcm_learn.planners import Plan, as_ours
 from gcm_learn.scene import pack
 from gcm_learn.situation import AnySituation
 
@@ -63,6 +65,7 @@ class CoveredPlanner:
         for cover in self.covers:
             theta = cover.family.parameters_of(situation)
             if theta is None:
+                why = _fixed(cover, situation) or why
                 continue
             cell = cover.find(theta.tolist())
             if cell is not None and cell.held >= 0:
@@ -96,6 +99,21 @@ class CoveredPlanner:
         )
 
 
+def _fixed(cover: Cover, situation: AnySituation) -> str:
+    """Return which parameter differs from the value that a cover is for; empty for others."""
+    made = FAMILIES.get(cover.family.name)
+    theta = None if made is None else made().parameters_of(situation)
+    if made is None or theta is None:
+        return ""
+    free = len(cover.family.parameters)
+    rest = zip(made().parameters[free:], theta[free:].tolist(), made().centre[free:], strict=True)
+    for parameter, value, middle in rest:
+        if abs(value - middle) > SAME:
+            held = f"the cover holds for {middle:g} {parameter.unit} only"
+            return f"{parameter.name} = {value:g}, and {held}"
+    return ""
+
+
 def _why(cover: Cover, cell: Cell | None, theta: np.ndarray) -> str:
     """Return why parameters of a family are not covered."""
     if cell is not None:
@@ -114,7 +132,7 @@ def with_cover(folder: Path) -> CoveredPlanner:
     ------
     CoverError
     """
-    return CoveredPlanner((load_cover(folder),))
+    return as_ours(CoveredPlanner((load_cover(folder),)))
 
 
 @lru_cache(maxsize=1)

@@ -39,8 +39,17 @@ if TYPE_CHECKING:
         taken,
         takes,
     )
-    from gcm_learn.planners.references import absolute, acts, found, in_words, instance, name_of
+    from gcm_learn.planners.references import (
+        absolute,
+        acts,
+        found,
+        in_words,
+        instance,
+        name_of,
+        source_of,
+    )
     from gcm_learn.planners.registry import (
+        as_ours,
         get_planner,
         is_registered,
         plan_with,
@@ -71,8 +80,12 @@ __getattr__ = late_names(__name__, {
         "FAULTS", "GAIN", "Anytime", "Deadline", "Plan", "Planner", "deadline_of", "plan_to_json",
         "taken", "takes",
     ),
-    "references": ("absolute", "acts", "found", "in_words", "instance", "name_of"),
-    "registry": ("get_planner", "is_registered", "plan_with", "planner_names", "solve"),
+    "references": (
+        "absolute", "acts", "found", "in_words", "instance", "name_of", "source_of",
+    ),
+    "registry": (
+        "as_ours", "get_planner", "is_registered", "plan_with", "planner_names", "solve",
+    ),
     "retiming": ("retime",),
     "tube": ("InTube", "Tube"),
 })  # fmt: skip
@@ -105,6 +118,7 @@ __all__ = [
     "absolute",
     "acts",
     "any_straight",
+    "as_ours",
     "at_once",
     "attempt_of",
     "bounds",
@@ -128,6 +142,7 @@ __all__ = [
     "retime",
     "search_in_space",
     "solve",
+    "source_of",
     "straight_plan",
     "study_of",
     "stratum",

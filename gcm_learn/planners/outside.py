@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import sys
 import time as clock
 from collections.abc import Callable
+from contextlib import redirect_stdout
 from copy import deepcopy
 from dataclasses import fields
 from typing import TYPE_CHECKING, Any
@@ -15,7 +17,7 @@ from gcm_learn.errors import UnknownNameError
 from gcm_learn.maps import CognitiveMap
 from gcm_learn.motion import Movement, rules_of, start_clearance, verify
 from gcm_learn.planners.plan import Plan, takes
-from gcm_learn.planners.references import in_words
+from gcm_learn.planners.references import in_words, place_in
 from gcm_learn.processes import OutOfTime, time_limit
 from gcm_learn.scene import pack
 from gcm_learn.situation import AnySituation
@@ -58,14 +60,49 @@ def judged_anew(situation: AnySituation, plan: Plan) -> tuple[str | None, float 
         return "moves another arm", None
     if plan.catch_body not in [target.name for target in situation.targets]:
         return f"catches {plan.catch_body!r}, which is no target", None
-    if situation.catch == "all" and len(situation.targets) > 1:
-        return f"catches one of {len(situation.targets)} targets, and all have to be caught", None
+    fault = _missing(situation, plan)
+    if fault is not None:
+        return fault, None
     if not abs(moves.duration - plan.catch_time) <= PLACE_SLACK:
         return "does not end at the catch", None
     parts = (moves.time, moves.hand, moves.joints, moves.rates)
     if not all(np.isfinite(part).all() for part in parts if part is not None):
         return "has numbers that are not finite", None
+    for name, time in plan.on_the_way:
+        fault = _missed_on_the_way(situation, moves, name, time)
+        if fault is not None:
+            return fault, None
     return verified_anew(situation, moves, plan.catch_body)
+
+
+def _missing(situation: AnySituation, plan: Plan) -> str | None:
+    """Return what is wrong with the targets that a plan catches, and with their order."""
+    bodies, wanted = [body.name for body in situation.bodies], len(situation.targets)
+    names, times = zip(*plan.on_the_way, (plan.catch_body, plan.catch_time), strict=True)
+    if situation.catch == "any" and len(names) > 1:
+        return f"catches {len(names)} targets, and one is wanted"
+    if situation.catch == "all" and len(names) < wanted:
+        return f"catches {len(names)} of {wanted} targets, and all have to be caught"
+    if len(set(names)) < len(names):
+        return "catches a target twice"
+    strangers = set(names) - {target.name for target in situation.targets}
+    if strangers:
+        return f"catches {min(strangers)!r}, which is no target"
+    order = [(time, bodies.index(name)) for name, time in zip(names, times, strict=True)]
+    return None if order == sorted(order) else "lists its catches in another order than in time"
+
+
+def _missed_on_the_way(
+    situation: AnySituation, moves: Movement, name: str, time: float
+) -> str | None:
+    """Return what verification says against a catch on the way, at one of the samples."""
+    k = int(np.abs(moves.time - time).argmin())
+    if not abs(moves.time[k] - time) <= PLACE_SLACK:
+        return f"catches {name!r} at {time:g} s, which is no sample"
+    parts = {part: getattr(moves, part) for part in GIVEN}
+    until = {part: None if rows is None else rows[: k + 1] for part, rows in parts.items()}
+    fault, _ = verified_anew(situation, Movement(situation.arm, **until), name)  # type: ignore[arg-type]
+    return None if fault is None else f"{name!r}: {fault}"
 
 
 def verified_anew(
@@ -93,8 +130,11 @@ def _agree(moves: Movement, path: np.ndarray) -> bool:
 LIMIT = 60.0
 """Time on the wall for a plan, by default [s]."""
 MOST_SAMPLES = 100_000  # of a movement
+MOST_NODES = 2**53  # exact in JSON
 TOUCHES = 1e-6  # within this of contact a start may be called blocked [lengths]
 GIVEN = ("time", "joints", "rates", "path")
+UNSAID = "no reason was given"
+"""Message of plans without a catch and without a message: exchange formats want a sentence."""
 _BY_HAND = ByKind({PLANAR: True}, default=False)
 """True for kinds of arms whose movements have a path of the hand."""
 
@@ -141,12 +181,12 @@ class Outside:
         since, shown = clock.perf_counter(), deepcopy(situation)
         status, message, answer = "error", "", None
         try:
-            with np.errstate(), time_limit(self.limit):
+            with np.errstate(), time_limit(self.limit), redirect_stdout(sys.stderr):
                 answer = self._plan(shown, **given)
         except OutOfTime:
             message = f"no answer within {self.limit:g} s"
         except (Exception, SystemExit) as error:
-            message = in_words(error)
+            message = in_words(error) + place_in(error, __file__)
         spent = 1e3 * (clock.perf_counter() - since)
         if not message:
             try:
@@ -181,11 +221,13 @@ def _values(answer: Any, situation: AnySituation) -> dict[str, Any]:
         "name": situation.name,
         "message": " ".join(str(told["message"]).split()),
     }
-    common["nodes"] = told["nodes"] if isinstance(told["nodes"], int) else 0
+    nodes = told["nodes"]
+    common["nodes"] = nodes if type(nodes) is int and 0 <= nodes <= MOST_NODES else 0
     common["map"] = told["map"] if isinstance(told["map"], CognitiveMap) else None
     if told["status"] == "caught":
         return common | _catch(told, situation)
-    return common | {"status": _no_catch(told["status"], situation)}
+    why = common["message"] or UNSAID
+    return common | {"message": why, "status": _no_catch(told["status"], situation)}
 
 
 def _no_catch(status: Any, situation: AnySituation) -> str:
@@ -206,6 +248,9 @@ def _catch(told: dict[str, Any], situation: AnySituation) -> dict[str, Any]:
             "status": "caught",
             "catch_time": _number(told["catch_time"], "catch_time"),
             "catch_body": told["catch_body"] if type(told["catch_body"]) is str else None,
+            "on_the_way": tuple(
+                (str(name), _number(time, "on_the_way")) for name, time in told["on_the_way"]
+            ),
             "trajectory": moves,
         }
         claimed = Plan(name="", planner="", message="", planning_ms=0.0, **values)

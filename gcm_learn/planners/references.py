@@ -7,6 +7,7 @@ import importlib
 import importlib.util
 import inspect
 import sys
+import traceback
 from collections.abc import Callable
 from functools import reduce
 from importlib import metadata
@@ -61,6 +62,25 @@ def absolute(reference: str) -> str:
     return str(Path(reference).resolve()) if reference.endswith(MODEL) else reference
 
 
+def source_of(given: Any) -> str:
+    """Return a reference with the hash of the file that it names; of an object where it is from."""
+    if not isinstance(given, str):
+        made = given if hasattr(given, "__qualname__") else type(given)
+        return f"{made.__module__}.{made.__qualname__}"
+    place = given.rpartition(":")[0] or given
+    path = Path(place) if place.endswith((".py", MODEL)) else _file_of(place)
+    if path is None or not path.is_file():
+        return given
+    return f"{given} {hashlib.sha256(path.read_bytes()).hexdigest()[:16]}"
+
+
+def _file_of(module: str) -> Path | None:
+    """Return the file of a module by its name; None for what is no module or has no file."""
+    made = sys.modules.get(module)
+    place = getattr(made, "__file__", None)
+    return None if place is None else Path(place)
+
+
 def instance(given: Any, told: str) -> Any:
     """Return an object: a class, or a function without arguments, is called once.
 
@@ -94,6 +114,12 @@ def in_words(error: BaseException) -> str:
     """Return an error as one line."""
     text = " ".join(str(error).split())
     return f"{type(error).__name__}: {text}" if text else type(error).__name__
+
+
+def place_in(error: BaseException, caller: str) -> str:
+    """Return the last place of an error outside of the calling file, in brackets."""
+    frames = [f for f in traceback.extract_tb(error.__traceback__) if f.filename != caller]
+    return f" ({Path(frames[-1].filename).name}:{frames[-1].lineno})" if frames else ""
 
 
 def _is_function(given: Any) -> bool:

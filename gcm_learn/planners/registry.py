@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pkgutil
 from pathlib import Path
-from typing import Any, cast, overload
+from typing import Any, TypeVar, cast, overload
 from weakref import WeakValueDictionary
 
 from gcm_learn.arms import CHAIN, PLANAR, SPATIAL, ByKind, SpatialArm
@@ -59,6 +59,7 @@ _ABOVE = {
 """Factories in higher folders, imported at the first use."""
 _ACTORS = "gcm_learn.policies.planner:tried_out"
 _POLICIES = "gcm_learn.policies.outside:planner_of"
+Made = TypeVar("Made")
 _OURS: WeakValueDictionary[int, Any] = WeakValueDictionary()
 """Planners that were made here, by identity: their plans are verified as they are made."""
 
@@ -105,15 +106,15 @@ def get_planner(given: str | Any, *, name: str = "", limit: float | None = LIMIT
     if not isinstance(given, str):
         return _outside(given, name or name_of(given), limit)
     if given in _PLANNERS:
-        return _ours(_made(given))
+        return as_ours(_made(given))
     if given in _ABOVE:
-        return _ours(pkgutil.resolve_name(_ABOVE[given])())
+        return as_ours(pkgutil.resolve_name(_ABOVE[given])())
     object_named = found(given)
     if object_named is not None:
         return _outside(object_named, name or given, limit)
     tried_out = pkgutil.resolve_name(_ACTORS)(given)
     if tried_out is not None:
-        return _ours(tried_out)
+        return as_ours(tried_out)
     raise UnknownNameError.among("planner", given, [*planner_names(), *sorted(_ABOVE)])
 
 
@@ -128,8 +129,8 @@ def _make(place: str) -> Planner:
     return cast(Planner, pkgutil.resolve_name(f"gcm_learn.planners.{place}")())
 
 
-def _ours(planner: Planner) -> Planner:
-    """Remember a planner that verifies its own plans, by its identity."""
+def as_ours(planner: Made) -> Made:
+    """Remember, by its identity, a planner of this package, which verifies its own plans."""
     _OURS[id(planner)] = planner
     return planner
 

@@ -22,6 +22,7 @@ from gcm_learn.planners import (
     Planner,
     Problem,
     Task,
+    as_ours,
     checked,
     deadline_of,
     get_planner,
@@ -351,13 +352,13 @@ def with_memory(name: str, memory: Memory) -> RecallPlanner | HybridPlanner:
         If the planner of that name does not recall.
     """
     if name == "hybrid":
-        return HybridPlanner(RecallPlanner(memory, name=name))
+        return as_ours(HybridPlanner(RecallPlanner(memory, name=name)))
     if name == "recall":
-        return RecallPlanner(memory)
+        return as_ours(RecallPlanner(memory))
     if name == "recall-1":
-        return RecallPlanner(memory, 1, name, novelty=0.0)
+        return as_ours(RecallPlanner(memory, 1, name, novelty=0.0))
     if name in _REFILED:
-        return RecallPlanner(_refiled(memory, name), name=name)
+        return as_ours(RecallPlanner(_refiled(memory, name), name=name))
     known = ", ".join(["hybrid", "recall", "recall-1", *_REFILED])
     raise RecallError(f"planner {name!r}: takes no memory (planners that do: {known})")
 

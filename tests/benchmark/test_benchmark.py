@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from gcm_learn import Movement, Plan, artifacts, benchmark
+from gcm_learn import Movement, Plan, artifacts, benchmark, solve
 from gcm_learn.benchmark.machine import spent
 from gcm_learn.cli import main
 from gcm_learn.errors import ArmKindError, FileFormatError, SuiteError, UnknownNameError
@@ -121,6 +121,74 @@ def test_targets_are_counted_where_several_are_wanted(tmp_path):
     assert not benchmark.asks_for_several(benchmark.load_suite("plane"))
 
 
+def first_leg(situation):
+    """Catch as `search` does, and stop after the first of several."""
+    plan = solve(situation, "search")
+    (name, end), *_ = (*plan.on_the_way, (plan.catch_body, plan.catch_time))
+    moves, until = plan.trajectory, plan.trajectory.time <= end
+    rates = None if moves.rates is None else moves.rates[until]
+    moves = Movement(situation.arm, moves.time[until], moves.joints[until], rates)
+    return Plan(situation.name, "first", "caught", "", 0.0, end, name, trajectory=moves)
+
+
+first_leg.takes = lambda kind: True
+
+
+def test_more_targets_come_before_earlier_catches(tmp_path):
+    path = tmp_path / "several.jsonl"
+    situations = [situation_to_json(draw("sequence-space", 9, k)) for k in range(2)]
+    path.write_text("".join(json.dumps(values) + "\n" for values in situations), "utf-8")
+    loaded = benchmark.load_suite(str(path))
+    results = [benchmark.run(method, [loaded]) for method in (first_leg, "search")]
+    found = benchmark.standings(loaded, [(result, result["runs"][0]) for result in results])
+    assert [one.method for one in found] == ["search", "first_leg"]
+    assert found[0].caught == found[1].caught and found[0].targets > found[1].targets
+    assert np.isnan(found[0].ratio) and np.isnan(found[1].ratio)
+
+
+def test_a_catch_at_once_has_a_ratio_beside_its_like_only(suite):
+    lines = [json.loads(line) for line in suite.read_text("utf-8").splitlines()]
+    lines[1]["situation"]["bodies"][0]["motion"]["position"] = [1.5, 0.0]  # in the hand
+    suite.write_text("".join(json.dumps(line) + "\n" for line in lines), "utf-8")
+    by_name = found([slow_straight, "straight"], suite)
+    assert by_name["straight"].ratio == 1.0 < by_name["slow_straight"].ratio < np.inf
+
+
+def test_another_method_of_the_same_name_is_asked_anew(suite, tmp_path):
+    mine, part = tmp_path / "mine.py", tmp_path / "out.json.part"
+    lines = (
+        "from gcm_learn import Plan",
+        "def plan(situation):",
+        "    if situation.name == 'far': raise KeyboardInterrupt",
+        "    return Plan(situation.name, 'mine', 'unreachable', 'THIS ONE', 0.0)",
+    )
+    for word in ("first", "second"):
+        mine.write_text("\n".join(lines).replace("THIS ONE", word), "utf-8")
+        with pytest.raises(KeyboardInterrupt):
+            benchmark.run(f"{mine}:plan", [str(suite)], name="mine", part=part)
+    said = [json.loads(line) for line in part.read_text("utf-8").splitlines()]
+    assert [line["answer"]["message"] for line in said if "answer" in line] == ["second", "second"]
+
+
+@pytest.mark.parametrize("line", ["5", '{"passes": ["a"]}', '{"sha256": "0", "answer": {}}'])
+def test_a_damaged_line_ends_what_is_kept(suite, tmp_path, line):
+    part = tmp_path / "out.json.part"
+    asked = []
+
+    def refusing(situation):
+        asked.append(situation.name)
+        if len(asked) == 3:
+            raise KeyboardInterrupt
+        return Plan(situation.name, "refusing", "unreachable", "", 0.0)
+
+    with pytest.raises(KeyboardInterrupt):
+        benchmark.run(refusing, [str(suite)], part=part)
+    head, *kept = part.read_text("utf-8").splitlines()
+    part.write_text("\n".join([head, line, *kept]) + "\n", "utf-8")
+    benchmark.run(refusing, [str(suite)], part=part)
+    assert asked[3:] == ["before", "near", "later", "far"]
+
+
 def test_each_situation_is_asked_once_after_the_warm_up(suite):
     asked = []
 
@@ -185,9 +253,17 @@ def test_answers_to_other_situations_are_refused_in_one_line(suite, change, line
     ("change", "line"),
     [
         (lambda r: r.pop("method"), "method: is missing"),
-        (lambda r: r["calibration"].update(factor=0), "calibration.factor: must be a positive"),
+        (lambda r: r["calibration"].update(factor=0), "calibration.factor: must be above 0"),
         (lambda r: r["runs"][0]["answers"][1].update(ms="1"), r"answers\[1\].ms: is a str"),
         (lambda r: r["runs"][0]["answers"][1].update(ms=-1), r"answers\[1\].ms: must be from 0"),
+        (lambda r: r["calibration"].update(factor=10**400), "calibration.factor: must be above 0"),
+        (lambda r: r["runs"].clear(), "runs: must have at least one"),
+        (
+            lambda r: r["runs"][0]["answers"][1].update(nodes=-5),
+            r"\[1\].nodes: must be from",
+        ),
+        (lambda r: r["runs"][0]["answers"][1].update(ms=10**400), r"\[1\].ms: must be from"),
+        (lambda r: r["runs"][0]["answers"][1].update(fault="no"), r"answers\[1\].fault: must be"),
         (lambda r: r.update(protocol=2), "protocol: must be 1"),
         (lambda r: r.update(limit_s=61), "limit_s: must be at most 60"),
         (lambda r: r.update(format="other"), "format: is not 'gcm-learn/benchmark-result@1'"),

@@ -87,6 +87,14 @@ def test_parameters_outside_of_the_box_are_named(cover):
     assert message.startswith("not covered: across = 5 is outside of -0.")
 
 
+def test_a_parameter_that_the_cover_holds_fixed_is_named(cover):
+    whole = parametric_family(cover.family.name)
+    theta = whole.centre + 0.5 * (whole.high - whole.centre) * (0, 0, 0, 1, 0)
+    message = CoveredPlanner((cover,)).plan(whole.situation(theta)).message
+    assert message.startswith("not covered: phase = ")
+    assert "and the cover holds for 0 " in message and message.endswith(" only")
+
+
 def test_cells_that_were_not_examined_are_said(plane):
     empty = CoveredPlanner((Cover(plane.family),))
     plan = empty.plan(plane.family.middle)

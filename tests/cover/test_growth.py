@@ -112,10 +112,58 @@ def test_damage_is_named(cover, tmp_path):
         ({"digest": "0"}, "has changed; make the cover anew"),
         ({"reasons": None}, "not a cover"),
         ({"data": "cells-0.npz"}, r"no cover there \(cells-0.npz is missing\)"),
+        ({"curve": "abc"}, "not a cover"),
     ):
         path.write_text(json.dumps(about | changes))
         with pytest.raises(CoverError, match=message):
             load_cover(tmp_path)
+
+
+def test_cells_that_were_changed_by_hand_are_refused(cover, tmp_path):
+    cover.save(tmp_path)
+    (data,) = tmp_path.glob("cells-*.npz")
+    whole = data.read_bytes()
+    with np.load(data) as stored:
+        arrays = {name: stored[name] for name in stored.files}
+    arrays["held"][arrays["held"] > 0] -= 1
+    np.savez(data, **arrays)
+    with pytest.raises(CoverError, match=f"{data.name}: is damaged, or was changed by hand"):
+        load_cover(tmp_path)
+    data.write_bytes(whole[: len(whole) // 2])
+    with pytest.raises(CoverError, match=f"{data.name}: is damaged"):
+        load_cover(tmp_path)
+
+
+class Impatient:
+    """Does the tasks of some calls, and is interrupted in the next."""
+
+    def __init__(self, calls):
+        self.left = calls
+
+    def map(self, function, tasks):
+        if self.left == 0:
+            raise KeyboardInterrupt
+        self.left -= 1
+        return map(function, tasks)
+
+
+def test_an_interruption_keeps_what_was_examined(tmp_path):
+    cover = Cover(parametric_family("belt-space").free(3))
+    with pytest.raises(KeyboardInterrupt):
+        grow(cover, Budget(1.0), Impatient(2), keep=lambda done: done.save(tmp_path))
+    kept = load_cover(tmp_path)
+    assert told(kept) == told(cover) and kept.examined > 1
+
+
+def test_cells_are_cut_to_where_a_catch_nearly_holds(monkeypatch):
+    """Their parts are examined once; without that every half on the way is."""
+    few, many = [], []
+    for spared, counts in ((2, few), (99, many)):
+        monkeypatch.setattr("gcm_learn.cover.growth.SPARED", spared)
+        cover = Cover(parametric_family("belt-space").free(3))
+        grow(cover, Budget(0.1), Here())
+        counts.append((cover.examined, len(cover.cells)))
+    assert few[0][0] < 0.7 * many[0][0]
 
 
 def test_names_and_numbers_of_parameters_are_checked():

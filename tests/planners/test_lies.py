@@ -278,8 +278,64 @@ def test_one_catch_of_two_that_are_wanted_is_broken():
     situation = situation_from_json(given | {"catch": "all"})
     plan = solve(situation_from_json(given | {"catch": "most"}), "search")
     assert plan.caught
+    plan = dataclasses.replace(plan, on_the_way=())
     answer = solve(situation, planner_of(lambda s, p: p, plan))
-    assert answer.status == "broken" and "all" in answer.message
+    assert answer.status == "broken" and "catches 1 of 2 targets" in answer.message
+
+
+@pytest.fixture(scope="module")
+def sequence():
+    """Return a situation that asks for several targets, and a plan that catches some."""
+    situation = draw("sequence-space", 9, 0)
+    plan = solve(situation, "search")
+    assert len(plan.on_the_way) > 1
+    return situation, plan
+
+
+def test_several_catches_from_outside_come_through(sequence):
+    situation, plan = sequence
+    answer = solve(situation, planner_of(lambda s, p: p, plan))
+    assert answer.catches == plan.catches and answer.status == "caught"
+
+
+def on_the_way(change):
+    return lambda s, plan: dataclasses.replace(plan, on_the_way=tuple(change(plan.on_the_way)))
+
+
+@pytest.mark.parametrize(
+    ("change", "word"),
+    [
+        (lambda way: [way[0], *way], "a target twice"),
+        (lambda way: way[::-1], "another order"),
+        (lambda way: [(way[0][0], way[0][1] + 1e-4), *way[1:]], "no sample"),
+        (lambda way: [(way[0][0], 0.0), *way[1:]], f"{'target'}"),
+        (lambda way: [("obstacle 1", way[0][1]), *way[1:]], "no target"),
+        (lambda way: [(way[0][0], "soon")], "on_the_way is a str"),
+        (lambda way: [way[0][:1]], "not enough values"),
+    ],
+)
+def test_a_lie_about_catches_on_the_way_is_found(sequence, change, word):
+    situation, plan = sequence
+    answer = solve(situation, planner_of(on_the_way(change), plan))
+    assert answer.status == "broken" and word in answer.message, answer.message
+
+
+def test_one_is_caught_where_one_is_wanted(case):
+    situation, plan = case
+    before = dataclasses.replace(plan, on_the_way=((situation.targets[0].name, 0.0),))
+    answer = solve(situation, planner_of(lambda s, p: p, before))
+    assert answer.status == "broken" and "and one is wanted" in answer.message
+
+
+def test_what_a_planner_prints_is_no_answer_and_its_errors_have_a_place(capsys):
+    def talks(situation):
+        print("thinking")
+        raise ValueError("no idea")
+
+    answer = solve(PAPER_SCENES["fig4"](), talks)
+    told = capsys.readouterr()
+    assert told.out == "" and told.err == "thinking\n"
+    assert answer.message.startswith("the planner fails: ValueError: no idea (test_lies.py:")
 
 
 def test_planners_by_name_are_not_verified_again(monkeypatch):
