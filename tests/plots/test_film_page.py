@@ -10,11 +10,11 @@ import pytest
 from scipy.spatial import cKDTree
 
 from gcm_learn.arms import hands_along, links_along
-from gcm_learn.families import thrown_scene
+from gcm_learn.families import draw, thrown_scene
 from gcm_learn.planners import solve
 from gcm_learn.plots import write_film_page
 from gcm_learn.plots.figures.hand_ball import frozen_cells, places_of
-from gcm_learn.plots.reports.film_page import page_data
+from gcm_learn.plots.reports.film_page import MISSED, page_data
 from gcm_learn.rendering import body_poses
 from tests.plots.cases import AMONG_SOLIDS, FAR, plan_of
 
@@ -60,6 +60,29 @@ def test_solids_are_where_the_arm_and_the_bodies_are(case):
         assert (f"approach of {body.name}" in named) == (body.approach is not None)
     way = data["ways"][0]
     assert [way["x"][0], way["y"][0], way["z"][0]] == pytest.approx(named["hand"]["centre"][0])
+
+
+def test_several_catches_are_marked_in_order_and_what_is_caught_is_gone():
+    situation = draw("sequence-space", 9, 0)
+    plan = solve(situation, "search")
+    data = page_data(situation, plan)
+    assert [(c["name"], c["time"]) for c in data["catches"]] == [
+        (c["body"], pytest.approx(c["time"], abs=1e-4)) for c in plan.catches
+    ]
+    targets = {target.name for target in situation.targets}
+    named = {solid["name"]: solid for solid in data["solids"] if solid["name"] in targets}
+    for name, time in ((c["body"], c["time"]) for c in plan.catches):
+        assert named.pop(name)["until"] == time
+    assert all(s["colour"] == MISSED and "until" not in s for s in named.values())
+    for caught in data["catches"]:
+        middle = body_poses(situation, [caught["time"]])[0][0]
+        k = [body.name for body in situation.bodies].index(caught["name"])
+        most = situation.arm.grasp + situation.bodies[k].shape.radius + 1e-3
+        assert np.linalg.norm(middle[k] - caught["place"]) <= most
+
+
+def test_one_catch_is_not_marked(case):
+    assert page_data(*case)["catches"] == []
 
 
 @pytest.mark.parametrize("name", ["spatial", "chain"])

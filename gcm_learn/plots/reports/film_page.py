@@ -47,6 +47,8 @@ GROUND = "#dde3ea"
 SIGHT = np.pi / 4  # angle of view of plotly's camera
 SPARE = 1.04  # times the distance from which all is just in the picture
 KEY = tuple(entry for entry in style.KEY if entry[1] in ("arm", "obstacle", "target"))
+MISSED = "#a8a2b8"
+NOT_CAUGHT = ((MISSED, "target that is not caught"),)
 APPROACHED = ((APPROACH, "approach of a target"),)
 IN_HANDS = ((style.EFFECTIVE, "effective obstacle, in hand-space"),)
 
@@ -92,7 +94,10 @@ def write_film_page(situation: JointSituation, plan: Plan, path: str | Path) -> 
 def _key(situation: JointSituation, data: dict[str, Any]) -> tuple[tuple[str, str], ...]:
     """Return colours and what they mean."""
     approached = any(body.approach is not None for body in situation.bodies)
-    return KEY + approached * APPROACHED + (data["hands"] is not None) * IN_HANDS
+    missed = any(solid["colour"] == MISSED for solid in data["solids"])
+    return (
+        KEY + missed * NOT_CAUGHT + approached * APPROACHED + (data["hands"] is not None) * IN_HANDS
+    )
 
 
 def plotly_script() -> str:
@@ -111,8 +116,8 @@ def page_data(situation: JointSituation, plan: Plan) -> dict[str, Any]:
     Returns
     -------
     dict
-        ``times`` (k,) [s], ``solids``, ``ways``, ``box`` (3, 2) of the shown world, ``zoom`` (k,),
-        ``eye`` in units of the box's longest side, and ``hands``.
+        ``times`` (k,) [s], ``solids``, ``ways``, ``catches``, ``box`` (3, 2) of the shown world,
+        ``zoom`` (k,), ``eye`` in units of the box's longest side, and ``hands``.
 
     Notes
     -----
@@ -120,11 +125,14 @@ def page_data(situation: JointSituation, plan: Plan) -> dict[str, Any]:
     ``hands`` in hand-space alone; they are None without a map.
 
     A solid has corners (n, 3), triangles (m, 3), centre (k, 3) and turn (k, 9), row by row.  Its
-    ``hands`` says that it is seen in hand-space, too.
+    ``hands`` says that it is seen in hand-space, too. It is gone after ``until`` [s].
+
+    Catches are listed where several are wanted, with name, time [s] and place (3,).
     """
     moves = plan.trajectory
     times = np.linspace(0.0, situation.horizon if moves is None else moves.duration, FRAMES)
-    solids = [*_bodies(situation, times), *_limb(situation, moves, times)]
+    caught = _caught(situation, plan)
+    solids = [*_bodies(situation, times, caught), *_limb(situation, moves, times)]
     scenery = Scenery(situation, moves)
     box = np.stack(box_of(situation, scenery.held), axis=1)
     box[2, 0] = floor_of(situation, scenery.held)
@@ -132,6 +140,11 @@ def page_data(situation: JointSituation, plan: Plan) -> dict[str, Any]:
         "times": _short(times),
         "solids": solids,
         "ways": [] if moves is None else list(_ways(situation, moves)),
+        "catches": [
+            {"name": name, "time": round(time, DIGITS), "place": _short(moves.hand_at(time))}
+            for name, time in (caught or {}).items()
+            if moves is not None
+        ],
         "box": box.tolist(),
         "zoom": _short(_zoom(scenery.way, times, box)),
         "eye": dict(zip("xyz", _eye(scenery, box).tolist(), strict=True)),
@@ -163,17 +176,29 @@ def _eye(scenery: Scenery, box: np.ndarray) -> np.ndarray:
     return eye
 
 
-def _bodies(situation: JointSituation, times: np.ndarray) -> list[dict[str, Any]]:
+def _caught(situation: JointSituation, plan: Plan) -> dict[str, float] | None:
+    """Return when targets are caught [s], by name, where several are wanted; else None."""
+    if situation.catch == "any" or plan.trajectory is None:
+        return None
+    return {catch["body"]: catch["time"] for catch in plan.catches}
+
+
+def _bodies(
+    situation: JointSituation, times: np.ndarray, caught: dict[str, float] | None
+) -> list[dict[str, Any]]:
     """Return the bodies, and the arrows of their approaches."""
     (centres, turns), ground = body_poses(situation, times), ground_of(situation)
     out = []
     for k, body in enumerate(situation.bodies):
-        seen = {"hands": body.role == "target"}
+        seen: dict[str, Any] = {"hands": body.role == "target"}
+        missed = caught is not None and body.role == "target" and body.name not in caught
+        if caught is not None and body.name in caught:
+            seen["until"] = caught[body.name]
         flat = has_edges(body.shape)  # type: ignore[arg-type]
         corners = drawn_scale(situation, body) * faces(body.shape, np.inf)  # type: ignore[arg-type]
         poses = (centres[:, k], turns[:, k])
         level = ground is not None and body is ground.body
-        colour = GROUND if level else body_colour(body)
+        colour = GROUND if level else MISSED if missed else body_colour(body)
         out.append(_solid(corners, body.name, colour, *poses, flat=flat) | seen)
         if body.approach is not None:
             arrow, name = approach_corners(situation, body), f"approach of {body.name}"

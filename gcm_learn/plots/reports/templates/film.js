@@ -5,9 +5,10 @@ const data = JSON.parse(document.getElementById("data").textContent);
 const scene = document.getElementById("scene"), slider = document.getElementById("time");
 const play = document.getElementById("play"), now = document.getElementById("now");
 
-// Corners of a solid at time k: columns of x, y and z.
+// Corners of a solid at time k: columns of x, y and z.  What is gone shrinks to a point.
 function placed(solid, k) {
-  const [px, py, pz] = solid.centre[k], r = solid.turn[k], out = { x: [], y: [], z: [] };
+  const [px, py, pz] = solid.centre[k], out = { x: [], y: [], z: [] };
+  const r = data.times[k] > solid.until ? Array(9).fill(0) : solid.turn[k];
   for (const [a, b, c] of solid.corners) {
     out.x.push(px + r[0] * a + r[1] * b + r[2] * c);
     out.y.push(py + r[3] * a + r[4] * b + r[5] * c);
@@ -51,6 +52,16 @@ function line(way) {
   };
 }
 
+// The catches in their order, with their times, where several are wanted.
+function marks(catches) {
+  const [x, y, z] = [0, 1, 2].map((m) => catches.map((caught) => caught.place[m]));
+  return {
+    type: "scatter3d", mode: "markers+text", x, y, z, hoverinfo: "text", textposition: "top center",
+    text: catches.map((caught, k) => `${k + 1}: ${caught.name}, ${caught.time.toFixed(2)} s`),
+    marker: { size: 5, symbol: "diamond", color: "#2d3748" }, textfont: { size: 13, color: "#2d3748" },
+  };
+}
+
 const axis = (range) => ({
   range, title: { text: "" }, showspikes: false, gridcolor: "#e2e8f0", zeroline: false,
   backgroundcolor: "#f4f6f9", showbackground: false, tickfont: { size: 10, color: "#a0aec0" },
@@ -75,7 +86,8 @@ const layout = {
   },
 };
 const surfaces = data.hands ? [skin(data.hands)] : [];
-Plotly.newPlot(scene, [...data.solids.map(mesh), ...data.ways.map(line), ...surfaces], layout,
+const lines = [...data.ways.map(line), ...(data.catches.length ? [marks(data.catches)] : [])];
+Plotly.newPlot(scene, [...data.solids.map(mesh), ...lines, ...surfaces], layout,
   { displayModeBar: false });
 addEventListener("resize", () => Plotly.relayout(scene, size()));
 
@@ -95,9 +107,11 @@ function show(k) {
   Plotly.restyle(scene, { x: at.map((p) => p.x), y: at.map((p) => p.y), z: at.map((p) => p.z) }, all);
   if (inHands()) {
     const { i, j, k: third } = grown(k);
-    Plotly.restyle(scene, { i: [i], j: [j], k: [third] }, [all.length + data.ways.length]);
+    Plotly.restyle(scene, { i: [i], j: [j], k: [third] }, [all.length + lines.length]);
   }
-  now.textContent = `t = ${data.times[k].toFixed(2)} s` + (k === data.times.length - 1 ? data.ending : "");
+  const count = data.catches.filter((caught) => caught.time <= data.times[k] + 1e-4).length;
+  const ending = k === data.times.length - 1 ? data.ending : "";
+  now.textContent = `t = ${data.times[k].toFixed(2)} s` + (data.catches.length ? `: ${count} caught` : ending);
 }
 
 let running = null;
@@ -111,7 +125,7 @@ play.onclick = () => { if (running !== null) stop(); else { play.textContent = "
 slider.oninput = () => { stop(); show(Number(slider.value)); };
 function change() {
   const on = inHands(), box = on ? data.hands.box : data.box;
-  const visible = [...data.solids.map((solid) => !on || solid.hands), ...data.ways.map(() => true), on];
+  const visible = [...data.solids.map((solid) => !on || solid.hands), ...lines.map(() => true), on];
   Plotly.restyle(scene, { visible });
   frame(box, 1);
   show(Number(slider.value));
