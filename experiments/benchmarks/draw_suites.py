@@ -31,7 +31,7 @@ SPACE_SPEC = "data/specs/space-accelerated.toml"
 
 def items() -> dict[str, Callable[[], list[Item]]]:
     """Return what draws each suite, by name."""
-    presets = ("panda-easy", "panda-crowded", "panda-crowded-accelerated")
+    presets = ("panda-easy", "panda-crowded", "panda-crowded-accelerated", "panda-sequences")
     return {
         "plane": lambda: frozen("L", "W", "Q", "U"),
         "plane-held-out": lambda: frozen("pendulum", "long-arm", "faster"),

@@ -38,6 +38,10 @@ _UNKNOWN = (
     "No stratum is known: some situations have no catch, and shares are of all of them. "
     "Starts that touch are left out."
 )
+_SEVERAL = (
+    "A situation counts as caught if one of them is; the targets that are caught are counted "
+    "beside it. " + _UNKNOWN
+)
 _PANDA = "a Panda of seven joints; six families in turns, seed 30117. " + _UNKNOWN
 _TABLE = (
     Suite(
@@ -75,8 +79,7 @@ _TABLE = (
         "c6a56e134131b54e2b3b6a0c93567e55ab46660d93739101af1b533a102420ed",
         60,
         "The family `sequence-space`, seed 30117: three to five balls fly by arms of four joints "
-        "under limits of acceleration, and most of them are to be caught. A situation counts as "
-        "caught if one of them is; the targets that are caught are counted beside it. " + _UNKNOWN,
+        "under limits of acceleration, and most of them are to be caught. " + _SEVERAL,
     ),
     Suite(
         "panda-easy", 1,
@@ -96,6 +99,13 @@ _TABLE = (
         60,
         "The preset `panda-crowded-accelerated`: as `panda-crowded`, and joints have limits of "
         "acceleration; " + _PANDA,
+    ),
+    Suite(
+        "panda-sequences", 1,
+        "e7dc0347bd281dc26297c5a2e48206076375add5199b0c70c3d8756f00d21547",
+        60,
+        "The preset `panda-sequences`, seed 30117: three to five balls drift by a Panda of seven "
+        "joints under limits of acceleration, and most of them are to be caught. " + _SEVERAL,
     ),
 )  # fmt: skip
 SUITES: dict[str, Suite] = {suite.name: suite for suite in _TABLE}

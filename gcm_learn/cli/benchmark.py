@@ -31,7 +31,8 @@ class Benchmark:
 
     suite: Annotated[str, arg(metavar="NAME")] = "plane"
     """plane, plane-held-out, space, space-accelerated, space-sequences, panda-easy, panda-crowded,
-    panda-crowded-accelerated, or a .jsonl file of situations; several with commas"""
+    panda-crowded-accelerated, panda-sequences, or a .jsonl file of situations; several with
+    commas"""
 
     out: Annotated[Path, arg(metavar="FILE")] = Path("result.json")
     """the result file; a name that ends in .gz packs it"""
