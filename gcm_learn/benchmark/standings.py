@@ -62,9 +62,9 @@ def runs_by_suite(results: Sequence[Mapping[str, Any]]) -> dict[str, list[Run]]:
 
 
 def standings(suite: Loaded, runs: Sequence[Run]) -> list[Standing]:
-    """Judge all answers again and return the methods, the one that catches most first.
+    """Judge all answers again and return the methods, the best first.
 
-    Where several targets are wanted, all targets count.
+    All targets count in suites that ask for several.
 
     Raises
     ------

@@ -39,10 +39,11 @@ class Leaderboard:
         from gcm_learn.plots import write_leaderboard
 
         results = [read_result(file) for file in self.files]
+        marked = [str(result["method"]) for result in results] if self.ours else []
         if self.ours:
             results += our_results({run["suite"] for result in results for run in result["runs"]})
         given = [load_suite(name) for name in self.suite.split(",") if name]
         with staged(self.out) as place:
-            write_leaderboard(results, place, given)
+            write_leaderboard(results, place, given, marked)
         print(f"Open {self.out.resolve().as_uri()} in a browser.")
         return 0

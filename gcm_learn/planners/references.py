@@ -75,7 +75,7 @@ def source_of(given: Any) -> str:
 
 
 def _file_of(module: str) -> Path | None:
-    """Return the file of a module by its name; None for what is no module or has no file."""
+    """Return the file of a module by its name; None without a file."""
     made = sys.modules.get(module)
     place = getattr(made, "__file__", None)
     return None if place is None else Path(place)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -13,30 +13,39 @@ from gcm_learn.plots.figures.comparison import COLOURS, chart
 
 PANEL = (3.6, 2.6)  # [inches]
 COLUMNS = 3
+THIN, LINE, THICK = 1.0, 1.6, 3.2  # widths of curves [points]
 LONGEST, SHORTEST = 1e4, 0.1  # thinking [ms]
 
 
-def standings_figure(found: Mapping[str, Sequence[Standing]]) -> Figure:
+def standings_figure(
+    found: Mapping[str, Sequence[Standing]], marked: Collection[str] = ()
+) -> Figure:
     """Draw a panel for each suite, and a curve for each method.
 
     Parameters
     ----------
     found : mapping of str to sequence of Standing
         Methods by suite.
+    marked : collection of str
+        Methods whose curves are thick; the others are thin then.
     """
     names = sorted({one.method for methods in found.values() for one in methods})
     colours = {name: COLOURS[k % len(COLOURS)] for k, name in enumerate(names)}
+    widths = {name: (THICK if name in marked else THIN) if marked else LINE for name in names}
     columns = min(COLUMNS, len(found))
     figure, panels = style.panel_grid(len(found), columns, PANEL, (1.6, 0.3))
     for ax, (suite, methods) in zip(panels, found.items(), strict=True):
         for one in methods:
-            ax.step(*_curve(one), where="post", lw=1.6, color=colours[one.method])
+            times, shares = _curve(one)
+            front = 3 if one.method in marked else 2
+            (line,) = ax.step(times, shares, where="post", color=colours[one.method], zorder=front)
+            line.set_linewidth(widths[one.method])
         chart(ax, suite, "time to think [ms]", "y")
         ax.set_ylabel("caught [%]", fontsize=style.SMALL)
         ax.set_xscale("log")
         ax.set_xlim(SHORTEST, LONGEST)
         ax.set_ylim(-2, 102)
-    lines = [panels[0].plot([], [], color=colours[n], lw=1.6, label=n)[0] for n in names]
+    lines = [panels[0].plot([], [], color=colours[n], lw=widths[n], label=n)[0] for n in names]
     figure.legend(handles=lines, loc="outside right upper", fontsize=style.SMALL, frameon=False)
     return figure
 

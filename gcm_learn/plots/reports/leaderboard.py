@@ -42,7 +42,10 @@ COLUMNS = (
 
 
 def write_leaderboard(
-    results: Sequence[Mapping[str, Any]], out: Path, given: Sequence[Loaded] = ()
+    results: Sequence[Mapping[str, Any]],
+    out: Path,
+    given: Sequence[Loaded] = (),
+    marked: Sequence[str] = (),
 ) -> None:
     """Judge all answers again and write the page.
 
@@ -54,6 +57,8 @@ def write_leaderboard(
         The page; it needs no other file.
     given : sequence of Loaded
         Files of situations that results name and the package does not ship.
+    marked : sequence of str
+        Methods that the figure stresses.
 
     Raises
     ------
@@ -65,7 +70,7 @@ def write_leaderboard(
     suites = {name: _suite(name, given) for name in order}
     found = {name: standings(suites[name], runs[name]) for name in order}
     with TemporaryDirectory() as folder:
-        drawn = standings_figure(found)
+        drawn = standings_figure(found, marked)
         opening = picture_of(drawn, Path(folder, "p.png"), WORDS["caption"], embed=True)
     parts = [_section(suites[name], found[name]) for name in order]
     parts += [section(WORDS, "protocol"), section(WORDS, "machines", [_machines(results)])]
