@@ -22,6 +22,7 @@ GREEDY = ("found", "distance", "time")
 GROUPS = ("greedy", "without memory", "with memory")
 DRAWN = (*(f"{order}, search" for order in (*GREEDY, "bound")), "bound, synthetic after search",
          "bound, stored after search")  # fmt: skip
+TITLES = {"space": "arms of four joints", "panda": "Panda"}
 COLOURS = {"found": "#bbbbbb", "distance": "#888888", "time": "#555555", "bound": "#20639b",
            "synthetic": "#e08e2b", "stored": "#3caea3"}  # fmt: skip
 
@@ -163,7 +164,7 @@ def write_figure(file: Path, found: Outcomes) -> None:
                 COLOURS[word] for word in reversed(name.replace(",", "").split()) if word in COLOURS
             )
             ax.plot(PERIOD * periods, shares, "o-", ms=4, color=colour, label=name)
-        ax.set(xscale="log", title=world, xlabel="time to think, charged [ms]", ylim=(0, 100))
+        ax.set(xscale="log", title=TITLES[world], xlabel="time to think, charged [ms]", ylim=(0, 100))
         ax.set_xticks(PERIOD * periods, [f"{PERIOD * p:.0f}" for p in periods])
         ax.minorticks_off()
         ax.grid(alpha=0.25)
