@@ -27,7 +27,7 @@ _PER_CATCH = ("anchor", "gain", "body")
 _PER_SAMPLE = ("time", "way", "ramp")
 
 
-@dataclass
+@dataclass(slots=True)  # there may be millions
 class Cell:
     """A part of the box; those that are cut have two halves."""
 
@@ -45,6 +45,8 @@ class Cell:
     """Index of the stored catch, OPEN or CLOSED."""
     reason: str = ""
     """Why the cell was not proven, when it was examined."""
+    cut: float = field(init=False)
+    """Middle of the parameter along which it is cut."""
 
     def __post_init__(self) -> None:
         self.cut_in(self.axis, self.first)

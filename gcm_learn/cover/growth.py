@@ -76,12 +76,14 @@ def _cuts(question: Question, catch: StoredCatch, doubt: Doubt, scene: Scene) ->
     """Return the parameters along which to cut a cell before its parts are worth a plan.
 
     Its sides are halved about the middle until the catch holds there. The last of these cuts are
-    left to the parts, whose own catches may hold in more.
+    left to the parts, whose own catches may hold in more. There are at most as many cuts as
+    parameters, since the catch says little of parts that are far from it.
     """
     family, centre, half = question.family, question.centre, question.half.copy()
     axes: list[int] = []
     left: Doubt | None = doubt
-    while left is not None and (axis := _axis(family, half, left)):
+    most = len(half) + SPARED
+    while left is not None and len(axes) < most and (axis := _axis(family, half, left)):
         axes.extend(axis)
         half[axis[0]] *= 0.5
         left = doubt_of(family, catch, centre, half, scene)
