@@ -164,7 +164,8 @@ def write_figure(file: Path, found: Outcomes) -> None:
                 COLOURS[word] for word in reversed(name.replace(",", "").split()) if word in COLOURS
             )
             ax.plot(PERIOD * periods, shares, "o-", ms=4, color=colour, label=name)
-        ax.set(xscale="log", title=TITLES[world], xlabel="time to think, charged [ms]", ylim=(0, 100))
+        ax.set(xscale="log", xlabel="time to think, charged [ms]", ylim=(0, 100))
+        ax.set_title(TITLES[world])
         ax.set_xticks(PERIOD * periods, [f"{PERIOD * p:.0f}" for p in periods])
         ax.minorticks_off()
         ax.grid(alpha=0.25)
