@@ -79,6 +79,6 @@ class QuietPlanner:
 @pytest.fixture
 def planner(monkeypatch):
     """Put a planner that costs nothing in the place of every real one."""
-    quiet = registry._ours(QuietPlanner())
+    quiet = registry.as_ours(QuietPlanner())
     monkeypatch.setattr("gcm_learn.planners.get_planner", lambda name: quiet)
     return quiet

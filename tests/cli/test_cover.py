@@ -14,7 +14,8 @@ from gcm_learn.situation import situation_to_json
 def test_a_cover_grows_is_enlarged_and_answers(tmp_path, capsys):
     out, words = tmp_path / "cover", ["cover", "belt", "--free", "2", "--out"]
     assert main([*words, str(out), "--cells", "3"]) == 0
-    assert "0.0 % of belt with 2 free parameters" in capsys.readouterr().out
+    said = capsys.readouterr().out
+    assert "25.0 % of belt with 2 free parameters, 1 stored catches, 5 cells examined" in said
     assert main([*words, str(out), "--check", "50", "--seed", "2"]) == 0
     said = capsys.readouterr().out
     assert "stored catches" in said and "0 of 50 draws from proven cells break a promise" in said
