@@ -114,17 +114,19 @@ def _distinct(names: Sequence[str]) -> list[str]:
 
 def _scores(suite: Loaded, found: Sequence[Judged]) -> np.ndarray:
     """Return what counts in each situation: targets where several are wanted, else catches."""
-    hits = _hits(suite, found).astype(int)
     if not asks_for_several(suite):
-        return hits
-    counted = [case.item.stratum != UNREACHABLE for case in suite.cases]
-    return hits * np.array([one.targets for one in found])[np.array(counted)]
+        return _hits(suite, found)
+    return np.array([one.targets for one in found])[_counted(suite)]
 
 
 def _hits(suite: Loaded, found: Sequence[Judged]) -> np.ndarray:
     """Return which of the situations that count are caught."""
-    counted = [case.item.stratum != UNREACHABLE for case in suite.cases]
-    return np.array([one.outcome == CAUGHT for one in found])[np.array(counted)]
+    return np.array([one.outcome == CAUGHT for one in found])[_counted(suite)]
+
+
+def _counted(suite: Loaded) -> np.ndarray:
+    """Return which of the situations count."""
+    return np.array([case.item.stratum != UNREACHABLE for case in suite.cases])
 
 
 def _earliest(verdicts: Sequence[Sequence[Judged]]) -> np.ndarray:

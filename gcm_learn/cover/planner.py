@@ -101,12 +101,13 @@ class CoveredPlanner:
 
 def _fixed(cover: Cover, situation: AnySituation) -> str:
     """Return which parameter differs from the value that a cover is for; empty for others."""
-    made = FAMILIES.get(cover.family.name)
-    theta = None if made is None else made().parameters_of(situation)
-    if made is None or theta is None:
+    if cover.family.name not in FAMILIES:
         return ""
-    free = len(cover.family.parameters)
-    rest = zip(made().parameters[free:], theta[free:].tolist(), made().centre[free:], strict=True)
+    whole, free = FAMILIES[cover.family.name](), len(cover.family.parameters)
+    theta = whole.parameters_of(situation)
+    if theta is None:
+        return ""
+    rest = zip(whole.parameters[free:], theta[free:].tolist(), whole.centre[free:], strict=True)
     for parameter, value, middle in rest:
         if abs(value - middle) > SAME:
             held = f"the cover holds for {middle:g} {parameter.unit} only"

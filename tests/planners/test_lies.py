@@ -308,7 +308,7 @@ def on_the_way(change):
         (lambda way: [way[0], *way], "a target twice"),
         (lambda way: way[::-1], "another order"),
         (lambda way: [(way[0][0], way[0][1] + 1e-4), *way[1:]], "no sample"),
-        (lambda way: [(way[0][0], 0.0), *way[1:]], f"{'target'}"),
+        (lambda way: [(way[0][0], 0.0), *way[1:]], "target"),
         (lambda way: [("obstacle 1", way[0][1]), *way[1:]], "no target"),
         (lambda way: [(way[0][0], "soon")], "on_the_way is a str"),
         (lambda way: [way[0][:1]], "not enough values"),
