@@ -244,7 +244,10 @@ def chain_models(draw):
             )
         )
     ends = vectors(3, st.floats(-1.0, 1.0))
-    links = tuple(Link(k, draw(ends), draw(ends), draw(lengths)) for k in range(count + 1))
+    named = draw(st.sampled_from([[None] * 5, ["base", None, "arm", "arm", ""]]))
+    links = tuple(
+        Link(k, draw(ends), draw(ends), draw(lengths), named[k]) for k in range(count + 1)
+    )
     pairs = draw(st.sampled_from([(), ((0, count),)]))
     hand = Hand(draw(st.integers(1, count)), draw(ends), draw(unit_vectors()))
     return ChainModel(draw(names), tuple(joints), links, hand, pairs, draw(names))
@@ -284,7 +287,7 @@ def third_situations(draw, max_bodies=3):
         bodies.append(Body(role, str(k), draw(solid_shapes), draw(solid_motions), approach))
     obstacles = [body.name for body in bodies if body.role == "obstacle"]
     if isinstance(arm, Chain) and obstacles:
-        arm = replace(arm, ignore=((0, obstacles[0]),))
+        arm = replace(arm, ignore=((arm.model.links[0].name or 0, obstacles[0]),))
     horizon = draw(st.floats(0.05, 3.0))
     version = "gcm-learn/situation@3"
     return Situation(draw(names), horizon, arm, tuple(bodies), catch=catch, format=version)

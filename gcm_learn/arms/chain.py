@@ -90,12 +90,15 @@ class Link:
         Ends of the capsule's axis, `from` and `to` in files, in the joint's frame.
     radius : float
         Above zero.
+    name : str, optional
+        Several links may share one; absent in ``gcm-learn/arm@1``.
     """
 
     joint: int
     start: tuple[float, float, float]
     end: tuple[float, float, float]
     radius: float
+    name: str | None = None
 
     def __post_init__(self) -> None:
         """Check the documented ranges."""
@@ -103,6 +106,8 @@ class Link:
         put(self, "start", vector(self.start, "from", 3))
         put(self, "end", vector(self.end, "to", 3))
         put(self, "radius", positive(self.radius, "radius"))
+        if self.name is not None:
+            put(self, "name", text(self.name, "name"))
 
 
 @dataclass(frozen=True)
@@ -132,7 +137,7 @@ class Hand:
 
 @dataclass(frozen=True)
 class ChainModel:
-    """An arm as the exchange format ``gcm-learn/arm@1`` describes it.
+    """An arm as the exchange formats ``gcm-learn/arm@1`` and ``@2`` describe it.
 
     Parameters
     ----------
@@ -201,6 +206,10 @@ class ChainModel:
         """Number of joints."""
         return len(self.joints)
 
+    def named(self, link: int) -> str:
+        """Return what messages call a link."""
+        return self.links[link].name or f"link {link}"
+
 
 @dataclass(frozen=True)
 class Chain:
@@ -222,8 +231,9 @@ class Chain:
         Above zero [lengths/s]; no limit when absent.
     max_joint_acceleration : (n,) tuple of float, optional
         Above zero, `max_acceleration` in files; the model's by default, None for no limits.
-    ignore : tuple of (int, str)
-        Pairs of a link and the name of an obstacle that are not checked.
+    ignore : tuple of (int or str, str)
+        Pairs of a link and the name of an obstacle that are not checked. A link is given by its
+        number, or by a name, which stands for all links of that name.
     """
 
     model: ChainModel
@@ -233,7 +243,7 @@ class Chain:
     joint_rates: tuple[float, ...] | None = None
     max_hand_speed: float | None = None
     max_joint_acceleration: Any = FROM_MODEL
-    ignore: tuple[tuple[int, str], ...] = ()
+    ignore: tuple[tuple[int | str, str], ...] = ()
 
     kind: ClassVar[str] = "chain"
     thickness: ClassVar[float] = 0.0  # links have radii of their own
@@ -254,7 +264,7 @@ class Chain:
                 reason = f"{value} is outside its range [{low}, {high}]"
                 raise SituationError(f"posture[{k}]", reason)
         self._check_rates()
-        put(self, "ignore", self._ignored())
+        put(self, "ignore", self._ignore())
 
     def _accelerations(self) -> tuple[float, ...] | None:
         given = self.max_joint_acceleration
@@ -275,18 +285,31 @@ class Chain:
             if abs(rate) > most:
                 raise SituationError(f"rates[{k}]", f"{rate} is too fast (max {most})")
 
-    def _ignored(self) -> tuple[tuple[int, str], ...]:
-        result = []
+    def _ignore(self) -> tuple[tuple[int | str, str], ...]:
+        result: list[tuple[int | str, str]] = []
         for k, given in enumerate(sequence(self.ignore, "ignore", "pairs")):
             field = f"ignore[{k}]"
             pair = sequence(given, field, "a link and an obstacle")
             if len(pair) != 2:
                 raise SituationError(field, f"must be a link and an obstacle (got {len(pair)})")
-            link, name = whole(pair[0], field), text(pair[1], field)
-            if not 0 <= link < len(self.model.links):
-                raise SituationError(field, _no_link(link, len(self.model.links)))
-            result.append((link, name))
+            link = pair[0] if isinstance(pair[0], str) else whole(pair[0], field)
+            count = len(self.model.links)
+            if isinstance(link, int) and not 0 <= link < count:
+                raise SituationError(field, _no_link(link, count))
+            if isinstance(link, str) and all(link != known.name for known in self.model.links):
+                raise SituationError(field, f"{quote(link)} is not the name of a link")
+            result.append((link, text(pair[1], field)))
         return tuple(result)
+
+    @property
+    def ignored(self) -> tuple[tuple[int, str], ...]:
+        """Pairs of `ignore` with links by their numbers."""
+        return tuple(
+            (i, name)
+            for link, name in self.ignore
+            for i, known in enumerate(self.model.links)
+            if link in (i, known.name)
+        )
 
     @property
     def dof(self) -> int:

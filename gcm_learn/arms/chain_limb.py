@@ -283,7 +283,7 @@ def chain_limb_of(arm: Chain, bodies: tuple[str, ...] = ()) -> ChainLimb:
     hand = model.hand
     joints, ends = _axes_along_z(model)
     ignored = np.zeros((m, len(bodies)), dtype=np.bool_)
-    for link, name in arm.ignore:
+    for link, name in arm.ignored:
         ignored[link, [b == name for b in bodies]] = True
     frames = np.zeros((n + 1, 12))
     frames[0, :9] = np.eye(3).ravel()

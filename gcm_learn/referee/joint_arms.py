@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,7 +10,7 @@ import numpy as np
 
 from gcm_learn.referee.bodies import Body
 from gcm_learn.referee.chain import ZERO, ChainMotion, Geometry, joint_of
-from gcm_learn.referee.complaints import Complaint
+from gcm_learn.referee.complaints import Complaint, Unreadable
 from gcm_learn.referee.contact import Motion
 from gcm_learn.referee.curves import Curve, curve_of
 from gcm_learn.referee.limits import Limits, hand_complaints, joint_complaints
@@ -146,9 +146,20 @@ def read_chain(arm: Mapping[str, Any], models: Models) -> JointArm:
     acceleration = arm.get("max_acceleration", None if own[0] is None else own)
     return _arm(
         3, model, arm.get("base"), arm["posture"], arm.get("rates"), acceleration,
-        arm.get("max_hand_speed"), arm["grasp"], arm.get("ignore", ()),
+        arm.get("max_hand_speed"), arm["grasp"], _ignored(arm.get("ignore") or (), model["links"]),
         {"hand": (model["hand"]["joint"], model["hand"]["point"])},
     )  # fmt: skip
+
+
+def _ignored(pairs: Any, links: Any) -> list[tuple[int, str]]:
+    """Return the pairs that are not checked, with links by their indices."""
+    found = []
+    for k, (link, body) in enumerate(pairs):
+        same = [i for i, known in enumerate(links) if link in (i, known.get("name"))]
+        if not same:
+            raise Unreadable(f"arm.ignore[{k}]: {str(link)[:60]} is not a link")
+        found += [(i, body) for i in same]
+    return found
 
 
 def read_spatial(version: int, arm: Mapping[str, Any]) -> JointArm:
@@ -181,7 +192,7 @@ def _arm(
     acceleration: Any,
     hand_speed: float | None,
     grasp: float,
-    ignored: Any,
+    ignored: Iterable[tuple[int, str]],
     points: Mapping[str, tuple[int, Any]],
 ) -> JointArm:
     first = np.array(posture, dtype=float)
@@ -203,7 +214,7 @@ def _arm(
         posture=first,
         rates=np.zeros(len(first)) if rates is None else np.array(rates, dtype=float),
         grasp=grasp,
-        ignored={(int(link), str(body)) for link, body in ignored},
+        ignored=set(ignored),
     )
 
 

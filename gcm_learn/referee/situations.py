@@ -67,9 +67,11 @@ def _index(value: Any) -> bool:
 
 
 def _ignored(value: Any) -> bool:
-    """Tell if a value is null or a list of a link's index and an obstacle's name."""
+    """Tell if a value is null or a list of a link's index or name and an obstacle's name."""
     pairs = isinstance(value, list) and all(isinstance(p, list) and len(p) == 2 for p in value)
-    return value is None or (pairs and all(_index(i) and _text(name) for i, name in value))
+    return value is None or (
+        pairs and all((_index(i) or _text(i)) and _text(name) for i, name in value)
+    )
 
 
 def _maybe(check: Check) -> Check:
@@ -108,6 +110,11 @@ JOINT: tuple[Fields, Fields] = (
     {"name": _text, "type": _either("revolute", "prismatic"), **BASE, "max_acceleration": positive},
 )
 LINK: Fields = {"joint": _index, "from": V3, "to": V3, "radius": positive}
+MODELS: dict[str, tuple[Fields, Fields]] = {
+    "gcm-learn/arm@1": ({}, {}),
+    "gcm-learn/arm@2": ({}, {"name": _text}),
+}
+"""Fields of joints and of links that formats of arm files add."""
 ARMS: dict[str, tuple[Fields, Fields]] = {
     "planar": (
         {"hand": V2, "max_hand_speed": positive},
@@ -210,18 +217,19 @@ def check_model(model: Any, arm: Mapping[str, Any]) -> None:
     path, objects = "arm.model", _list_of(_object)
     pair = _list_of(_index, 2)
     _fields(
-        model, path, {"joints": objects, "links": objects, "hand": _object},
+        model, path,
+        {"format": _either(*MODELS), "joints": objects, "links": objects, "hand": _object},
         {
-            "format": _text, "name": _text, "source": _text,
+            "name": _text, "source": _text,
             "self_collision": lambda v: v == [] or _list_of(pair)(v),
         },
     )  # fmt: skip
-    n = len(model["joints"])
+    n, (of_joints, of_links) = len(model["joints"]), MODELS[model["format"]]
     for k, joint in enumerate(model["joints"]):
-        _fields(joint, f"{path}.joints[{k}]", *JOINT)
+        _fields(joint, f"{path}.joints[{k}]", JOINT[0], {**JOINT[1], **of_joints})
     _fields(model["hand"], f"{path}.hand", {"joint": _index, "point": V3}, {"axis": _unit(3)})
     for k, link in enumerate(model["links"]):
-        _fields(link, f"{path}.links[{k}]", LINK, {})
+        _fields(link, f"{path}.links[{k}]", LINK, of_links)
         if link["joint"] > n:
             raise Unreadable(f"{path}.links[{k}].joint: there are {n} joints")
     if not 1 <= model["hand"]["joint"] <= n:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from gcm_learn.situation.arm_body import ArmBody, BoneMass, Motor
 from gcm_learn.situation.arm_files import (
-    ARM_FORMAT,
+    ARM_FORMATS,
     arm_from_json,
     arm_names,
     arm_to_json,
@@ -50,7 +50,7 @@ from gcm_learn.situation.spatial_frame import SpatialFrame, arm_frame, plane_fra
 from gcm_learn.situation.timed_motion import Piece, Piecewise, Sampled
 
 __all__ = [
-    "ARM_FORMAT",
+    "ARM_FORMATS",
     "AnyArmBody",
     "AnySituation",
     "Approach",

@@ -1,4 +1,4 @@
-"""Models of chains in files: the exchange format ``gcm-learn/arm@1``, and those that ship."""
+"""Models of chains in files: the formats ``gcm-learn/arm@1`` and ``@2``, and those that ship."""
 
 from __future__ import annotations
 
@@ -21,7 +21,9 @@ from gcm_learn.situation.json_records import (
 )
 from gcm_learn.situation.json_text import read_value
 
-ARM_FORMAT = "gcm-learn/arm@1"
+ARM_FORMATS = ("gcm-learn/arm@1", "gcm-learn/arm@2")
+NEW: dict[type, tuple[str, ...]] = {Link: ("name",), ChainJoint: ()}
+"""Fields of records that `@2` adds; each is None in a record where it is absent."""
 
 
 def read_arm(path: str | Path) -> ChainModel:
@@ -55,22 +57,32 @@ def arm_from_json(obj: object, path: str = "") -> ChainModel:
     """
     members = object_from(obj, path)
     given = members.get("format")
-    if given != ARM_FORMAT:
+    if given not in ARM_FORMATS:
         field = f"{path}.format" if path else "format"
-        raise SituationError(field, f"must be {quote(ARM_FORMAT)} (got {show(given)})")
+        known = " or ".join(map(quote, ARM_FORMATS))
+        raise SituationError(field, f"must be {known} (got {show(given)})")
     check_names(members, path, ChainModel, extra=("format",), optional=("name",))
     values: dict[str, Any] = {"name": "", **members}
     del values["format"]
     inside = f"{path}." if path else ""
     for field, record in (("joints", ChainJoint), ("links", Link)):
-        values[field] = records_from(record, values[field], f"{inside}{field}")
+        absent = NEW[record] if given == ARM_FORMATS[0] else ()
+        values[field] = records_from(record, values[field], f"{inside}{field}", absent)
     values["hand"] = record_from(Hand, values["hand"], f"{inside}hand")
     return made_from(ChainModel, values, path)
 
 
 def arm_to_json(model: ChainModel) -> dict[str, Any]:
-    """Return the JSON object of a model; `arm_from_json` gives back an equal one."""
-    return {"format": ARM_FORMAT, **members_of(model)}
+    """Return the JSON object of a model, in the oldest format that holds it.
+
+    `arm_from_json` gives back an equal model.
+    """
+    newer = any(
+        getattr(record, name) is not None
+        for record in (*model.joints, *model.links)
+        for name in NEW[type(record)]
+    )
+    return {"format": ARM_FORMATS[newer], **members_of(model)}
 
 
 def arm_names() -> tuple[str, ...]:

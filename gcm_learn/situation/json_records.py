@@ -69,18 +69,25 @@ def _layout(record: Any) -> Layout:
 
 
 def record_from(
-    record: type[_Record], obj: object, path: str, extra: Sequence[str] = ()
+    record: type[_Record],
+    obj: object,
+    path: str,
+    extra: Sequence[str] = (),
+    absent: Sequence[str] = (),
 ) -> _Record:
-    """Return a record of the members of a JSON object, `extra` aside."""
+    """Return a record of the members of a JSON object, `extra` aside; it has none of `absent`."""
     members = object_from(obj, path)
-    check_names(members, path, record, extra)
+    check_names(members, path, record, extra, absent=absent)
     return made_from(record, {k: v for k, v in members.items() if k not in extra}, path)
 
 
-def records_from(record: type[_Record], value: object, path: str) -> tuple[_Record, ...]:
+def records_from(
+    record: type[_Record], value: object, path: str, absent: Sequence[str] = ()
+) -> tuple[_Record, ...]:
     """Return the records of a JSON list."""
     return tuple(
-        record_from(record, item, f"{path}[{k}]") for k, item in enumerate(list_from(value, path))
+        record_from(record, item, f"{path}[{k}]", absent=absent)
+        for k, item in enumerate(list_from(value, path))
     )
 
 

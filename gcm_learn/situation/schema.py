@@ -30,7 +30,7 @@ from gcm_learn.arms import (
     SpatialArm,
 )
 from gcm_learn.checks import LARGEST
-from gcm_learn.situation.arm_files import ARM_FORMAT
+from gcm_learn.situation.arm_files import ARM_FORMATS, NEW
 from gcm_learn.situation.body import ROLES, Approach, Body
 from gcm_learn.situation.formats import FORMATS, Format
 from gcm_learn.situation.json_records import layout_of
@@ -84,7 +84,6 @@ NUMBERS: dict[type, dict[str, Schema]] = {
 LISTS: dict[type, dict[str, Schema]] = {
     Polygon: {"vertices": {"minItems": 3}},
     Sampled: dict.fromkeys(("times", "positions", "orientations"), _FILLED),
-    ChainModel: dict.fromkeys(("joints", "links"), _FILLED),
     SpatialArm: {"joint_range": _FOUR},
     Chain: {"joints": _FILLED},
 }
@@ -101,7 +100,7 @@ CHOICES: dict[type, dict[str, tuple[str, ...]]] = {
 def schemas() -> dict[str, Schema]:
     """Return the JSON Schemas (draft 2020-12) of situations and arms, by the name of the format."""
     made = {name: _document(name, _situation(version)) for name, version in FORMATS.items()}
-    return made | {ARM_FORMAT: _document(ARM_FORMAT, _model())}
+    return made | {name: _document(name, _model(name)) for name in ARM_FORMATS}
 
 
 def _document(name: str, schema: Schema) -> Schema:
@@ -155,9 +154,12 @@ def _motion(law: type) -> Schema:
     return _object(law, given, required=("kind",))
 
 
-def _model() -> Schema:
-    """Return the schema of a file of an arm."""
-    given = {"format": {"const": ARM_FORMAT}}
+def _model(name: str) -> Schema:
+    """Return the schema of a file of an arm, in the format of a name."""
+    given: dict[str, Any] = {"format": {"const": name}}
+    for field, record in (("joints", ChainJoint), ("links", Link)):
+        absent = NEW[record] if name == ARM_FORMATS[0] else ()
+        given[field] = {"type": "array", "items": _object(record, absent=absent), **_FILLED}
     return _object(ChainModel, given, required=("format",), optional=("name",))
 
 
@@ -171,10 +173,11 @@ def _spatial() -> Schema:
 
 def _chain() -> Schema:
     numbers = {"type": "array", "items": _number(_POSITIVE)}
-    link = [{"type": "integer", "minimum": 0}, {"type": "string"}]
+    index = {"type": "integer", "minimum": 0}
+    link = [{"anyOf": [index, {"type": "string"}]}, {"type": "string"}]
     given = {
         "kind": _kind(Chain),
-        "model": {"anyOf": [{"type": "string"}, _model()]},
+        "model": {"anyOf": [{"type": "string"}, *map(_model, ARM_FORMATS)]},
         "max_acceleration": {"anyOf": [numbers, {"type": "null"}]},
         "ignore": {"type": "array", "items": {"type": "array", "prefixItems": link, **_pair()}},
     }

@@ -174,6 +174,11 @@ def test_capsules_hold_the_geometry_of_all_links(elbow, fitted):
     assert found == 6
 
 
+def test_capsules_bear_the_names_of_their_links(fitted):
+    names = [link.name for link in fitted.model.links]
+    assert names == [cover.link for cover in fitted.covers for _ in range(cover.capsules)]
+
+
 def test_every_capsule_reaches_as_far_as_what_it_holds(fitted):
     directions = np.random.default_rng(1).normal(size=(500, 3))
     directions /= np.linalg.norm(directions, axis=1, keepdims=True)

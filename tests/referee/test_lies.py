@@ -9,7 +9,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from gcm_learn.referee import judge
+from gcm_learn.referee import Unreadable, judge
 from tests.referee.answers import MADE, RATES, lifted
 from tests.worlds import ball, body, changed, still
 
@@ -366,6 +366,26 @@ def test_ignored_pairs_do_not_count():
     assert "touch" not in words(situation, solution)
     situation["arm"]["ignore"] = [[1, "knob"]]
     assert "link 0 and knob touch" in words(situation, solution)
+
+
+def test_a_name_in_ignore_stands_for_all_links_of_that_name():
+    situation, solution = true("chain")
+    model = situation["arm"]["model"]
+    knob = body("obstacle", "knob", ball(0.1), still(situation["arm"]["base"]["origin"]))
+    situation["bodies"].append(knob)
+    situation["arm"]["ignore"] = [["mast", "knob"]]
+    model["links"][0]["name"] = "mast"
+    with pytest.raises(Unreadable, match=r"arm\.model\.links\[0\]\.name: is unknown"):
+        words(situation, solution)
+    model["format"] = "gcm-learn/arm@2"
+    assert "touch" not in words(situation, solution)
+    for link in ("most", 3):
+        situation["arm"]["ignore"] = [[0, "knob"], [link, "knob"]]
+        with pytest.raises(Unreadable, match=rf"arm\.ignore\[1\]: {link} is not a link"):
+            words(situation, solution)
+    model["format"] = "gcm-learn/arm@3"
+    with pytest.raises(Unreadable, match=r"arm\.model\.format"):
+        words(situation, solution)
 
 
 def test_there_are_many_lies_for_every_kind():

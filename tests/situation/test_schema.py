@@ -65,6 +65,7 @@ def test_schemas_are_schemas():
         "gcm-learn/situation@2",
         "gcm-learn/situation@3",
         "gcm-learn/arm@1",
+        "gcm-learn/arm@2",
     ]
     for schema in schemas().values():
         jsonschema.Draft202012Validator.check_schema(schema)

@@ -12,6 +12,7 @@ from hypothesis import given
 
 from gcm_learn.arms import Base, Chain, ChainJoint, ChainModel, Hand, Link, hands_along
 from gcm_learn.errors import FileFormatError, SituationError
+from gcm_learn.scene import pack
 from gcm_learn.situation import (
     FORMATS,
     Body,
@@ -31,6 +32,7 @@ from tests import strategies
 from tests.situation.scenes import CHAIN, MODEL, OLDER, REFUSED, changed
 
 HALF = math.sqrt(0.5)
+LINK = {"joint": 1, "from": [0, 0, 0], "to": [0.4, 0, 0], "radius": 0.04}
 
 
 @pytest.mark.parametrize(
@@ -115,6 +117,25 @@ def test_models_are_objects_paths_or_names(tmp_path):
 @given(strategies.chain_models())
 def test_models_are_read_back_equal(model):
     assert arm_from_json(json.loads(json.dumps(arm_to_json(model)))) == model
+
+
+@given(strategies.chain_models())
+def test_models_are_written_in_the_oldest_format_that_holds_them(model):
+    named = any(link.name is not None for link in model.links)
+    assert arm_to_json(model)["format"] == f"gcm-learn/arm@{1 + named}"
+
+
+def test_a_name_in_ignore_stands_for_all_links_of_that_name():
+    links = [LINK | {"name": name} for name in ("base", "fore", "fore")]
+    model = MODEL | {"format": "gcm-learn/arm@2", "links": links}
+    scene = changed(CHAIN, ("arm", "model"), model)
+    by_name, by_number = (
+        situation_from_json(changed(scene, ("arm", "ignore"), pairs))
+        for pairs in ([["fore", "table"]], [[1, "table"], [2, "table"]])
+    )
+    assert by_name.arm.ignored == by_number.arm.ignored == ((1, "table"), (2, "table"))
+    assert (pack(by_name).limb.ignored == pack(by_number).limb.ignored).all()
+    assert situation_from_json(situation_to_json(by_name)) == by_name
 
 
 @pytest.mark.parametrize("name", arm_names())

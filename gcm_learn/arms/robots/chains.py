@@ -278,7 +278,8 @@ def _links(
         groups: list[Group] = covered([hull.moved(pose) for hull in link.hulls], capsules)
         for group in groups:
             made = group.capsule
-            links.append(Link(number, _tuple(made.start), _tuple(made.end), made.radius))
+            ends = _tuple(made.start), _tuple(made.end)
+            links.append(Link(number, *ends, made.radius, link.name))
             parts.append(group.hulls)
         beyond = max(overhang(group.capsule, group.hulls) for group in groups)
         covers.append(Cover(link.name, number, len(groups), beyond))
