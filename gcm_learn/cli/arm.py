@@ -78,7 +78,10 @@ class Arm:
         UseAppendAction[tuple[Path, ...]],
         arg(metavar="DIR", help_behavior_hint="(repeatable; default: folders above the file)"),
     ] = ()
-    """folder of packages, for package:// in the file"""
+    """folder of packages, for package:// and model:// in the file"""
+
+    visual: bool = False
+    """let links without collision geometry have that of their looks"""
 
     name: Annotated[str | None, arg(help_behavior_hint="(default: the robot's)")] = None
     """name of the arm"""
@@ -110,7 +113,7 @@ class Arm:
         from gcm_learn.situation import arm_to_json
 
         self._check()
-        robot = read_robot(self.robot, self.packages)
+        robot = read_robot(self.robot, self.packages, self.visual)
         try:
             fitted = self._fitted(robot)
             body = None if self.body is None else _body(fitted)
@@ -124,7 +127,9 @@ class Arm:
             if self.plot is not None:
                 self._draw(fitted, stack.enter_context(staged(self.plot, option="--plot")))
             stream.write(json.dumps(arm_to_json(fitted.model), indent=1) + "\n")
-        print("\n".join(report(fitted)), file=sys.stderr if self.out is None else sys.stdout)
+        remarks = robot.remarks({joint.name for joint in fitted.model.joints})
+        lines = [*report(fitted), *(f"  {remark}" for remark in remarks)]
+        print("\n".join(lines), file=sys.stderr if self.out is None else sys.stdout)
         return 0
 
     def _check(self) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -14,13 +15,15 @@ from gcm_learn.arms.chain import ChainJoint, ChainModel, Hand, Link
 from gcm_learn.arms.robots.capsules import Group, covered, overhang
 from gcm_learn.arms.robots.pairs import checked_pairs
 from gcm_learn.arms.robots.tree import Drive, Hull, Inertial, Robot, RobotJoint, motion, together
-from gcm_learn.arms.robots.urdf import FULL_TURN, read_urdf
-from gcm_learn.arms.robots.urdf_checks import check
+from gcm_learn.arms.robots.urdf import read_urdf
+from gcm_learn.arms.robots.urdf_checks import is_xacro
 from gcm_learn.errors import RobotError, SituationError
 
 MOVING = ("revolute", "continuous", "prismatic")
 MOST_CAPSULES = 3
 """Capsules that cover a link at most."""
+FULL_TURN = 2.0 * math.pi
+"""Range to either side that joints without an end get [rad]."""
 CLEAR = 1e-12  # shorter numbers of rotations are rounding
 
 
@@ -48,8 +51,13 @@ class Fitted(NamedTuple):
     """(n) Motors of the joints."""
 
 
-def read_robot(path: str | Path, packages: Sequence[str | Path] = ()) -> Robot:
+def read_robot(
+    path: str | Path, packages: Sequence[str | Path] = (), visual: bool = False
+) -> Robot:
     """Read a robot from a file; its first element says whether it is URDF or MJCF.
+
+    Packages and models are looked for in folders that are given, too. With `visual` links without
+    collision geometry get that of their looks.
 
     Raises
     ------
@@ -58,16 +66,20 @@ def read_robot(path: str | Path, packages: Sequence[str | Path] = ()) -> Robot:
     """
     file = Path(path)
     try:
-        whole = ElementTree.parse(file).getroot()
+        text = file.read_bytes()
+        if file.suffix == ".xacro" or is_xacro(text):
+            raise RobotError(f"this is xacro, expand it first: xacro {path} > robot.urdf")
+        whole = ElementTree.fromstring(text)
+        for element in whole.iter():
+            element.tag = element.tag.rpartition("}")[2]
         root = whole.tag
         if root not in ("robot", "mujoco"):
             raise RobotError(f"is no URDF (<robot>) and no MJCF (<mujoco>): begins with <{root}>")
         if root == "robot":
-            check(whole)
-            return read_urdf(file, tuple(Path(folder) for folder in packages))
+            return read_urdf(whole, file, tuple(Path(folder) for folder in packages), visual)
         from gcm_learn.arms.robots.mjcf import read_mjcf
 
-        return read_mjcf(file)
+        return read_mjcf(file, visual)
     except ElementTree.ParseError as error:
         raise RobotError(f"{path}: is not XML ({error})") from None
     except OSError as error:
@@ -242,11 +254,10 @@ def _chain_joint(
     speed = joint.max_speed if speed is None else speed
     if speed is None:
         raise RobotError(f"joint {joint.name!r}: has no largest speed; give --max-speed")
-    bounds = joint.range
-    if joint.type == "continuous" or bounds is None:
-        if joint.type == "prismatic":
-            raise RobotError(f"joint {joint.name!r}: has no range")
-        bounds = (-FULL_TURN, FULL_TURN)
+    bounds = (-FULL_TURN, FULL_TURN) if joint.type == "continuous" else joint.range
+    if bounds is None:
+        way = ", or make its type continuous" if joint.type == "revolute" else ""
+        raise RobotError(f"joint {joint.name!r}: has no range; give its limits{way}")
     quaternion = Rotation.from_matrix(pose[:3, :3]).as_quat(scalar_first=True)
     quaternion = np.where(np.abs(quaternion) < CLEAR, 0.0, quaternion)
     try:
@@ -284,7 +295,8 @@ def _links(
         beyond = max(overhang(group.capsule, group.hulls) for group in groups)
         covers.append(Cover(link.name, number, len(groups), beyond))
     if not links:
-        raise RobotError("has no collision geometry")
+        looks = any(link.looks for link in robot.links.values())
+        raise RobotError(f"has no collision geometry{'; try --visual' if looks else ''}")
     return links, covers, parts
 
 

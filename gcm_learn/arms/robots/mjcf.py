@@ -13,10 +13,12 @@ from gcm_learn.arms.robots.tree import Drive, Hull, Inertial, Robot, RobotJoint,
 from gcm_learn.errors import MissingExtraError, RobotError
 
 
-def read_mjcf(path: Path) -> Robot:
+def read_mjcf(path: Path, visual: bool = False) -> Robot:
     """Read a robot from an MJCF file; links are its bodies.
 
-    Geometry counts if it can touch anything, that is, if `contype` or `conaffinity` is not 0.
+    Geometry counts if it can touch anything, that is, if `contype` or `conaffinity` is not 0 or it
+    is in a `pair`; with `visual` that of other bodies, too. Planes, height fields and bodies that
+    float alone are left out.
 
     Raises
     ------
@@ -28,7 +30,7 @@ def read_mjcf(path: Path) -> Robot:
     try:
         import mujoco
     except ImportError as error:
-        raise MissingExtraError("MJCF files", "mujoco", "sim") from error
+        raise MissingExtraError("reading MJCF", "mujoco", "sim") from error
     try:
         mujoco.set_mju_user_warning(lambda message: None)  # what is wrong is raised here
         model = mujoco.MjModel.from_xml_path(str(path))
@@ -39,10 +41,12 @@ def read_mjcf(path: Path) -> Robot:
     links: dict[str, RobotLink] = {}
     joints: list[RobotJoint] = []
     names = [model.body(b).name or f"body {b}" for b in range(model.nbody)]
+    notes: list[str] = []
     for b, name in enumerate(names):
-        geoms = [g for g in range(model.ngeom) if model.geom_bodyid[g] == b]
-        hulls = [h for g in geoms if _touches(model, g) for h in _hulls(model, g, mujoco)]
-        links[name] = RobotLink(name, tuple(hulls), _inertial(model, b))
+        looks, touching = _geometry(model, b, name, notes, mujoco)
+        geoms = looks if visual and not touching else touching
+        hulls = [h for g in geoms for h in _hulls(model, g, mujoco)]
+        links[name] = RobotLink(name, tuple(hulls), _inertial(model, b), bool(looks))
         if b:
             _join(model, b, names, links, joints, mujoco)
     for joint in joints:
@@ -51,7 +55,30 @@ def read_mjcf(path: Path) -> Robot:
     for name, link in links.items():
         if not all(np.isfinite(hull.centres).all() for hull in link.hulls):
             raise RobotError(f"body {name!r}: the place of its geometry is not finite")
-    return Robot(Path(path).stem, links, joints)
+    return Robot(Path(path).stem, links, joints, tuple(notes))
+
+
+def _geometry(
+    model: Any, b: int, name: str, notes: list[str], mujoco: Any
+) -> tuple[list[int], list[int]]:
+    """Return the geometry of a body that is only seen, and that can touch; note what is neither."""
+    root = model.body_rootid[b]
+    joints = model.jnt_type[np.isin(model.jnt_bodyid, np.flatnonzero(model.body_rootid == root))]
+    if joints.tolist() == [mujoco.mjtJoint.mjJNT_FREE]:
+        notes.append(f"{name}: floats alone and is left out; give it as a body")
+        return [], []
+    flat = {mujoco.mjtGeom.mjGEOM_PLANE: "plane", mujoco.mjtGeom.mjGEOM_HFIELD: "height field"}
+    paired = {*model.pair_geom1.tolist(), *model.pair_geom2.tolist()}
+    sorted_out: tuple[list[int], list[int]] = [], []
+    for g in np.flatnonzero(model.geom_bodyid == b).tolist():
+        touches = bool(model.geom_contype[g] or model.geom_conaffinity[g] or g in paired)
+        kind = flat.get(mujoco.mjtGeom(model.geom_type[g]))
+        if kind is None:
+            sorted_out[touches].append(g)
+        elif touches:
+            which = model.geom(g).name or f"geometry of {name}"
+            notes.append(f"{which}: a {kind} is left out; give it as an obstacle")
+    return sorted_out
 
 
 def _inertial(model: Any, b: int) -> Inertial:
@@ -88,10 +115,6 @@ def _strongest(model: Any, a: int) -> float | None:
     return None
 
 
-def _touches(model: Any, g: int) -> bool:
-    return bool(model.geom_contype[g] or model.geom_conaffinity[g])
-
-
 def _join(
     model: Any, b: int, names: list[str], links: dict[str, RobotLink],
     joints: list[RobotJoint], mujoco: Any,
@@ -106,7 +129,7 @@ def _join(
         name = model.joint(j).name or f"joint {j}"
         kind = types.get(int(model.jnt_type[j]), "free or ball")
         axis, anchor = model.jnt_axis[j], _pose(model.jnt_pos[j], (1.0, 0.0, 0.0, 0.0))
-        at = float(model.qpos0[model.jnt_qposadr[j]])
+        at = float(model.qpos0[model.jnt_qposadr[j]]) if int(model.jnt_type[j]) in types else 0.0
         low, high = map(float, model.jnt_range[j])
         bounds = (low, high) if model.jnt_limited[j] else None
         if kind == "revolute" and bounds is None:
@@ -141,13 +164,15 @@ def _hulls(model: Any, g: int, mujoco: Any) -> list[Hull]:
         made = [tree.cylinder(size[0], size[1])]
     elif kind == types.mjGEOM_BOX:
         made = [tree.box(2.0 * size)]
-    elif kind == types.mjGEOM_MESH:
+    elif kind == types.mjGEOM_ELLIPSOID:
+        made = [tree.ellipsoid(size)]
+    elif kind in (types.mjGEOM_MESH, types.mjGEOM_SDF):
         m = int(model.geom_dataid[g])
         v, f = int(model.mesh_vertadr[m]), int(model.mesh_faceadr[m])
         vertices = model.mesh_vert[v : v + int(model.mesh_vertnum[m])].astype(float)
         made = tree.mesh(vertices, model.mesh_face[f : f + int(model.mesh_facenum[m])])
     else:
         name = model.geom(g).name or f"geom {g}"
-        raise RobotError(f"{name!r}: is no sphere, capsule, cylinder, box or mesh")
+        raise RobotError(f"{name!r}: is no sphere, capsule, cylinder, ellipsoid, box or mesh")
     pose = _pose(model.geom_pos[g], model.geom_quat[g])
     return [hull.moved(pose) for hull in made]

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
+from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
+FAR = 5.0
+"""A link longer than this many times the distances of its joints may have a wrong unit."""
+CLOSE = 1e-6  # shorter distances are rounding
 CORNERS = 24
 """Corners of the polygons that stand for circles; they lie outside of the circle."""
 
@@ -75,6 +79,14 @@ class RobotLink(NamedTuple):
     """Collision geometry; empty where nothing can be hit."""
     inertial: Inertial | None = None
     """Mass in the link's frame, if the file says."""
+    looks: bool = False
+    """True if the file has geometry that is only to be seen."""
+
+    @property
+    def size(self) -> float:
+        """Longest edge of the box about the geometry."""
+        ends = [h.centres + sign * h.radii[:, None] for h in self.hulls for sign in (-1.0, 1.0)]
+        return float(np.ptp(np.concatenate(ends), axis=0).max()) if ends else 0.0
 
 
 class Drive(NamedTuple):
@@ -106,6 +118,8 @@ class RobotJoint(NamedTuple):
     follows: tuple[str, float, float] | None = None
     """Joint that this one follows, and the factor and offset of its value."""
     drive: Drive = Drive()
+    soft: bool = False
+    """True if the range is narrower than the file's, by its soft limits."""
 
 
 class Robot(NamedTuple):
@@ -114,6 +128,31 @@ class Robot(NamedTuple):
     name: str
     links: Mapping[str, RobotLink]
     joints: Sequence[RobotJoint]
+    notes: tuple[str, ...] = ()
+    """Parts of the file that were left out, a line each."""
+
+    def remarks(self, chain: Collection[str]) -> Iterator[str]:
+        """Yield lines on what was left out, narrowed of joints on a chain, or may be wrong."""
+        yield from self.notes
+        seen = [link.name for link in self.links.values() if link.looks and not link.hulls]
+        if seen:
+            yield f"no collision geometry: {', '.join(seen)}; --visual takes their looks"
+        for joint in self.joints:
+            if joint.soft and joint.range and joint.name in chain:
+                low, high = joint.range
+                yield f"{joint.name}: from {low:g} to {high:g} by its soft limits"
+        longest = distance(self.joints)
+        for link in self.links.values():
+            own = distance(j for j in self.joints if link.name in (j.parent, j.child)) or longest
+            far = link.size
+            if far > max(FAR * own, longest) > 0.0:
+                yield f"{link.name}: {far:.3g} long, joints {own:.3g} apart; is the unit right?"
+
+
+def distance(joints: Iterable[RobotJoint]) -> float:
+    """Return the largest distance of a joint from the one before."""
+    places = (float(np.linalg.norm(joint.origin[:3, 3])) for joint in joints)
+    return max((place for place in places if place > CLOSE), default=0.0)
 
 
 def motion(kind: str, axis: Sequence[float], value: float) -> np.ndarray:
@@ -148,6 +187,16 @@ def box(size: Sequence[float]) -> Hull:
     """Return a box about the origin with edges of the lengths `size` (3)."""
     signs = np.array(np.meshgrid(*[(-0.5, 0.5)] * 3)).reshape(3, -1).T
     return corners(signs * np.asarray(size, float))
+
+
+def ellipsoid(half: Sequence[float], count: int = 200) -> Hull:
+    """Return a polytope about an ellipsoid with half axes of the lengths `half` (3)."""
+    k = np.arange(count) + 0.5
+    z, turn = 1.0 - 2.0 * k / count, math.pi * (1.0 + math.sqrt(5.0)) * k  # Fibonacci's sphere
+    points = np.column_stack([np.cos(turn), np.sin(turn), z])
+    points[:, :2] *= np.sqrt(1.0 - z * z)[:, None]
+    within = -ConvexHull(points).equations[:, 3].max()
+    return corners(points / within * np.asarray(half, float))
 
 
 def corners(points: np.ndarray) -> Hull:

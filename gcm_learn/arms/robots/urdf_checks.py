@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterator
 from xml.etree.ElementTree import Element
 
@@ -19,6 +20,8 @@ NUMBERS = {
     "box": {"size": 3},
     "sphere": {"radius": 1},
     "cylinder": {"radius": 1, "length": 1},
+    "capsule": {"radius": 1, "length": 1},
+    "safety_controller": {"soft_lower_limit": 1, "soft_upper_limit": 1},
     "mesh": {"scale": 3},
 }
 """Counts of the numbers in attributes, by element."""
@@ -31,21 +34,19 @@ NEEDED = {
     "box": ("size",),
     "sphere": ("radius",),
     "cylinder": ("radius", "length"),
+    "capsule": ("radius", "length"),
     "mesh": ("filename",),
 }
 """Attributes that an element must have."""
-SIZED = ("box", "sphere", "cylinder")
-"""Elements whose numbers must be positive."""
+SIZED = ("box", "sphere", "cylinder", "capsule")
+"""Elements whose numbers must not be negative."""
 SHAPES = (*SIZED, "mesh")
 
 
-def check(robot: Element) -> None:
+def check(robot: Element) -> Iterator[str]:
     """Refuse a robot whose links or joints lack something, or have what is no finite number.
 
-    Parameters
-    ----------
-    robot : Element
-        Root of a URDF file.
+    Shapes that are nothing are taken out; each is a line that is yielded.
 
     Raises
     ------
@@ -53,13 +54,25 @@ def check(robot: Element) -> None:
         One line that names the link or joint, the element and the attribute.
     """
     joints = [joint.get("name") for joint in robot.findall("joint")]
+    if robot.find("link") is None:
+        raise RobotError("has no links")
     for where, part in _named(robot):
         if part.tag == "joint":
             _check_joint(where, part, joints)
-        for shape in part.findall("collision"):
-            _check_shape(where, shape)
         for element in (part, *_inside(part)):
             _check_attributes(where, element)
+        for given in part.findall("collision"):
+            shape = _checked_shape(where, given)
+            size = shape.get("radius") or shape.get("size")
+            if size and not any(map(float, size.split())):
+                part.remove(given)
+                yield f"{part.get('name')}: a {shape.tag} of size 0 is left out"
+
+
+def is_xacro(text: bytes) -> bool:
+    """Return whether a file has to be expanded by xacro; one that names it only has been."""
+    read = re.sub(rb"(?s)<!--.*?-->|<gazebo\b.*?</gazebo>", b"", text)
+    return re.search(rb"<xacro:|=\s*[\"'][^\"']*\$[{(]", read) is not None
 
 
 def _named(robot: Element) -> Iterator[tuple[str, Element]]:
@@ -77,9 +90,9 @@ def _named(robot: Element) -> Iterator[tuple[str, Element]]:
 
 
 def _inside(part: Element) -> Iterator[Element]:
-    """Yield what a link or joint holds, but for its looks."""
+    """Yield what is read of a link or joint."""
     for child in part:
-        if child.tag != "visual":
+        if part.tag == "joint" or child.tag in ("inertial", "collision"):
             yield from child.iter()
 
 
@@ -94,12 +107,12 @@ def _check_joint(where: str, joint: Element, names: list[str | None]) -> None:
         raise RobotError(f"{where}: mimic.joint: there is no joint {mimic.get('joint')!r}")
 
 
-def _check_shape(where: str, collision: Element) -> None:
-    geometry = collision.find("geometry")
-    shapes = [] if geometry is None else [shape.tag for shape in geometry]
-    if len(shapes) != 1 or shapes[0] not in SHAPES:
-        known, got = ", ".join(SHAPES), ", ".join(shapes) or "nothing"
+def _checked_shape(where: str, collision: Element) -> Element:
+    shapes = collision.findall("geometry/*")
+    if len(shapes) != 1 or shapes[0].tag not in SHAPES:
+        known, got = ", ".join(SHAPES), ", ".join(shape.tag for shape in shapes) or "nothing"
         raise RobotError(f"{where}: collision.geometry: must be one of {known} (got {got})")
+    return shapes[0]
 
 
 def _check_attributes(where: str, element: Element) -> None:
@@ -121,7 +134,7 @@ def _check_numbers(field: str, given: str, count: int, tag: str) -> None:
     if (len(numbers) != count and not one_scale) or not all(map(math.isfinite, numbers)):
         many = "a finite number" if count == 1 else f"{count} finite numbers"
         raise RobotError(f"{field}: must be {many} (got {given!r})")
-    if tag in SIZED and min(numbers) <= 0.0:
-        raise RobotError(f"{field}: must be positive (got {given!r})")
+    if tag in SIZED and min(numbers) < 0.0:
+        raise RobotError(f"{field}: must not be negative (got {given!r})")
     if tag == "mesh" and 0.0 in numbers:
         raise RobotError(f"{field}: must not be 0 (got {given!r})")
