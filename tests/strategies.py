@@ -9,7 +9,17 @@ from typing import Any
 import numpy as np
 from hypothesis import strategies as st
 
-from gcm_learn.arms import Arm, Base, Chain, ChainJoint, ChainModel, Hand, Link, SpatialArm
+from gcm_learn.arms import (
+    Arm,
+    Base,
+    Chain,
+    ChainJoint,
+    ChainModel,
+    Follows,
+    Hand,
+    Link,
+    SpatialArm,
+)
 from gcm_learn.referee.rotations import rotations as of_quaternion
 from gcm_learn.situation import (
     CATCHES,
@@ -224,25 +234,27 @@ def sampled(draw):
 
 
 @st.composite
-def chain_models(draw):
-    """Chains of one to four joints, each of which carries a link or two."""
-    count = draw(st.integers(1, 4))
+def chain_models(draw, trees=False):
+    """Chains of one to four joints, each of which carries a link or two.
+
+    Trees have up to six joints; some stand on any frame before them, and some follow others.
+    """
+    count = draw(st.integers(2, 6) if trees else st.integers(1, 4))
     limited = draw(st.booleans())
-    joints = []
+    joints: list[ChainJoint] = []
     for k in range(count):
         low = draw(st.floats(-3.0, 1.0))
-        joints.append(
-            ChainJoint(
-                axis=draw(unit_vectors()),
-                range=(low, low + draw(st.floats(0.0, 4.0))),
-                max_speed=draw(st.floats(0.1, 9.0)),
-                type=draw(st.sampled_from(["revolute", "prismatic"])),
-                origin=draw(vectors(3, st.floats(-1.0, 1.0))),
-                rotation=draw(unit_vectors(4)),
-                max_acceleration=draw(st.floats(0.1, 99.0)) if limited else None,
-                name=f"joint {k}",
-            )
+        made = ChainJoint(
+            axis=draw(unit_vectors()),
+            range=(low, low + draw(st.floats(0.0, 4.0))),
+            max_speed=draw(st.floats(0.1, 9.0)),
+            type=draw(st.sampled_from(["revolute", "prismatic"])),
+            origin=draw(vectors(3, st.floats(-1.0, 1.0))),
+            rotation=draw(unit_vectors(4)),
+            max_acceleration=draw(st.floats(0.1, 99.0)) if limited else None,
+            name=f"joint {k}",
         )
+        joints.append(draw(_in_tree(made, joints)) if trees else made)
     ends = vectors(3, st.floats(-1.0, 1.0))
     named = draw(st.sampled_from([[None] * 5, ["base", None, "arm", "arm", ""]]))
     links = tuple(
@@ -254,15 +266,31 @@ def chain_models(draw):
 
 
 @st.composite
-def chains(draw):
+def _in_tree(draw, joint, before):
+    """A joint on any frame before it, which may follow one of the joints before."""
+    joint = replace(joint, parent=draw(st.none() | st.integers(0, len(before))))
+    leaders = [k for k, one in enumerate(before, 1) if one.follows is None]
+    if not leaders or draw(st.booleans()):
+        return joint
+    leader, factor = draw(st.sampled_from(leaders)), draw(st.floats(-2.0, 2.0))
+    offset, share = draw(st.floats(-1.0, 1.0)), draw(st.floats(0.9, 2.0))
+    ends = np.sort([factor * end + offset for end in before[leader - 1].range])
+    middle, half = ends.mean(), share * 0.5 * np.ptp(ends) + 1e-3
+    least = draw(st.sampled_from([joint.max_acceleration, None]))
+    return replace(
+        joint, follows=Follows(leader, factor, offset), max_acceleration=least,
+        range=(float(middle - half), float(middle + half)),
+    )  # fmt: skip
+
+
+@st.composite
+def chains(draw, trees=False):
     """Chains anywhere in their ranges."""
-    model = draw(chain_models())
-    limits: Any = draw(
-        st.sampled_from(["model", None]) | vectors(len(model.joints), st.floats(0.1, 9.0))
-    )
+    model = draw(chain_models(trees))
+    limits: Any = draw(st.sampled_from(["model", None]) | vectors(model.dof, st.floats(0.1, 9.0)))
     return Chain(
         model=model,
-        joints=tuple(draw(st.floats(*joint.range)) for joint in model.joints),
+        joints=tuple(draw(st.floats(*ends)) for ends in model.ranges),
         grasp=draw(st.floats(0.0, 0.2)),
         base=draw(bases()),
         max_hand_speed=draw(st.none() | st.floats(0.1, 9.0)),

@@ -11,7 +11,8 @@ from gcm_learn.arms.chain import (
     Link,
     unknown_obstacle,
 )
-from gcm_learn.arms.chain_limb import ChainLimb, chain_limb_of
+from gcm_learn.arms.chain_limb import ChainLimb
+from gcm_learn.arms.followers import Follows
 from gcm_learn.arms.kinds import (
     CHAIN,
     PLANAR,
@@ -47,6 +48,7 @@ from gcm_learn.arms.rotations import (
 from gcm_learn.arms.spatial import IDENTITY, JOINTS, OTHER_ARMS, Base, SpatialArm
 from gcm_learn.arms.spatial_limb import SpatialLimb, forward_in_space, spatial_limb_of
 from gcm_learn.arms.swivels import inverse_in_space, swivel_in_space
+from gcm_learn.arms.tree_limb import TreeLimb, limb_of_chain
 from gcm_learn.late import late_names
 
 if TYPE_CHECKING:
@@ -71,6 +73,7 @@ __all__ = [
     "ChainModel",
     "ELBOWS",
     "Fitted",
+    "Follows",
     "Hand",
     "IDENTITY",
     "Inertial",
@@ -86,7 +89,7 @@ __all__ = [
     "SPATIAL",
     "SpatialArm",
     "SpatialLimb",
-    "chain_limb_of",
+    "TreeLimb",
     "chain_of",
     "checked_pairs",
     "elbow_of",
@@ -103,6 +106,7 @@ __all__ = [
     "kind_named",
     "kind_of",
     "kinds",
+    "limb_of_chain",
     "links_along",
     "planar_limb_of",
     "quaternion_of",

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any, ClassVar
 
+from gcm_learn.arms.followers import Follows, JointTree
 from gcm_learn.arms.rotations import unit_quaternion
 from gcm_learn.arms.spatial import IDENTITY, Base
 from gcm_learn.checks import (
@@ -32,7 +34,7 @@ FROM_MODEL = "model"
 
 @dataclass(frozen=True)
 class ChainJoint:
-    """A joint of a chain: frame k = frame k-1 * T(origin) * R(rotation) * motion of q_k.
+    """A joint of a chain: frame k = frame p * T(origin) * R(rotation) * motion of q_k.
 
     Parameters
     ----------
@@ -45,12 +47,19 @@ class ChainJoint:
         Above zero [rad/s or lengths/s].
     type : {"revolute", "prismatic"}
     origin : (3,) tuple of float
-        Place in the frame of the joint before.
+        Place in frame p.
     rotation : (4,) tuple of float
         Unit quaternion (w, x, y, z); normalised.
     max_acceleration : float, optional
         Above zero [rad/s^2 or lengths/s^2]; no limit when absent.
     name : str
+    parent : int, optional
+        Number p of the frame that carries the joint, 0 for the base; k - 1 when absent.
+    follows : Follows, optional
+        Leader by which the joint is moved; it has a coordinate of its own when absent.
+    max_jerk : float, optional
+        Above zero, and only beside `max_acceleration` [rad/s^3 or lengths/s^3]. It is read and
+        written; situations of ``@3`` do not limit jerk.
     """
 
     axis: tuple[float, float, float]
@@ -61,6 +70,9 @@ class ChainJoint:
     rotation: tuple[float, float, float, float] = (1.0, 0.0, 0.0, 0.0)
     max_acceleration: float | None = None
     name: str = ""
+    parent: int | None = None
+    follows: Follows | None = None
+    max_jerk: float | None = None
 
     def __post_init__(self) -> None:
         """Check the documented ranges and normalise axis and rotation."""
@@ -76,6 +88,12 @@ class ChainJoint:
         if self.max_acceleration is not None:
             put(self, "max_acceleration", positive(self.max_acceleration, "max_acceleration"))
         put(self, "name", text(self.name, "name"))
+        if self.max_jerk is not None:
+            put(self, "max_jerk", positive(self.max_jerk, "max_jerk"))
+        if self.parent is not None:
+            put(self, "parent", whole(self.parent, "parent"))
+        if self.follows is not None and not isinstance(self.follows, Follows):
+            raise SituationError("follows", f"must be a leader (got {show(self.follows)})")
 
 
 @dataclass(frozen=True)
@@ -136,14 +154,15 @@ class Hand:
 
 
 @dataclass(frozen=True)
-class ChainModel:
+class ChainModel(JointTree):
     """An arm as the exchange formats ``gcm-learn/arm@1`` and ``@2`` describe it.
 
     Parameters
     ----------
     name : str
     joints : tuple of ChainJoint
-        From the base outwards, at least one; all have `max_acceleration` or none has.
+        From the base outwards, at least one; all that have a coordinate have `max_acceleration`, or
+        none of them has.
     links : tuple of Link
         At least one.
     hand : Hand
@@ -168,23 +187,20 @@ class ChainModel:
             put(self, name, _records(getattr(self, name), name, record))
         if not isinstance(self.hand, Hand):
             raise SituationError("hand", f"must be a hand (got {show(self.hand)})")
-        self._check_joints()
+        self.check_tree()
+        plain = [replace(j, parent=None) if j.parent == k else j for k, j in enumerate(self.joints)]
+        put(self, "joints", tuple(plain))
+        self.check_limits("max_acceleration")
+        self.check_limits("max_jerk")
         for k, link in enumerate(self.links):
-            if not 0 <= link.joint <= self.dof:
+            if not 0 <= link.joint <= len(self.joints):
                 raise SituationError(f"links[{k}].joint", self._no_joint(link.joint, 0))
-        if not 1 <= self.hand.joint <= self.dof:
+        if not 1 <= self.hand.joint <= len(self.joints):
             raise SituationError("hand.joint", self._no_joint(self.hand.joint, 1))
         put(self, "self_collision", self._pairs())
 
-    def _check_joints(self) -> None:
-        limited = [joint.max_acceleration is not None for joint in self.joints]
-        if any(limited) and not all(limited):
-            k = limited.index(False)
-            reason = f"is missing, but joints[{limited.index(True)}] has one: all have it or none"
-            raise SituationError(f"joints[{k}].max_acceleration", reason)
-
     def _no_joint(self, given: int, least: int) -> str:
-        return f"must be from {least} to {self.dof} (got {given})"
+        return f"must be from {least} to {len(self.joints)} (got {given})"
 
     def _pairs(self) -> tuple[tuple[int, int], ...]:
         result = []
@@ -201,11 +217,6 @@ class ChainModel:
             result.append((pair[0], pair[1]))
         return tuple(result)
 
-    @property
-    def dof(self) -> int:
-        """Number of joints."""
-        return len(self.joints)
-
     def named(self, link: int) -> str:
         """Return what messages call a link."""
         return self.links[link].name or f"link {link}"
@@ -219,7 +230,8 @@ class Chain:
     ----------
     model : ChainModel
     joints : (n,) tuple of float
-        Posture q at t = 0, within the joints' ranges; `posture` in files [rad or lengths].
+        Posture q at t = 0, a number for each coordinate, within the joints' ranges; `posture` in
+        files [rad or lengths].
     grasp : float
         Signed distance of hand and target at which it is caught, not negative.
     base : Base
@@ -230,7 +242,8 @@ class Chain:
     max_hand_speed : float, optional
         Above zero [lengths/s]; no limit when absent.
     max_joint_acceleration : (n,) tuple of float, optional
-        Above zero, `max_acceleration` in files; the model's by default, None for no limits.
+        Above zero, `max_acceleration` in files; the model's by default, None for no limits. Lowered
+        to what followers' own limits ask for.
     ignore : tuple of (int or str, str)
         Pairs of a link and the name of an obstacle that are not checked. A link is given by its
         number, or by a name, which stands for all links of that name.
@@ -259,19 +272,24 @@ class Chain:
         if self.max_hand_speed is not None:
             put(self, "max_hand_speed", positive(self.max_hand_speed, "max_hand_speed"))
         put(self, "max_joint_acceleration", self._accelerations())
-        for k, (value, (low, high)) in enumerate(zip(self.joints, self.joint_range, strict=True)):
+        for k, (value, joint) in enumerate(zip(self.joints, self.model.coordinates, strict=True)):
+            low, high = joint.range
             if not low <= value <= high:
                 reason = f"{value} is outside its range [{low}, {high}]"
                 raise SituationError(f"posture[{k}]", reason)
+        self.model.check_start(self.joints)
         self._check_rates()
         put(self, "ignore", self._ignore())
 
     def _accelerations(self) -> tuple[float, ...] | None:
         given = self.max_joint_acceleration
         if isinstance(given, str) and given == FROM_MODEL:
-            given = tuple(joint.max_acceleration for joint in self.model.joints)
-            return None if given[0] is None else given
-        return None if given is None else positive_vector(given, "max_acceleration", self.dof)
+            given = tuple(joint.max_acceleration for joint in self.model.coordinates)
+            given = None if given[0] is None else given
+        if given is None:
+            return None
+        limits = positive_vector(given, "max_acceleration", self.dof)
+        return self.model.limits(limits, "max_acceleration")
 
     def _check_rates(self) -> None:
         if self.joint_rates is None:
@@ -316,24 +334,33 @@ class Chain:
         """Number of joints."""
         return self.model.dof
 
-    @property
+    @cached_property
     def joint_range(self) -> tuple[tuple[float, float], ...]:
-        """(n, 2) Lowest and highest value of each joint."""
-        return tuple(joint.range for joint in self.model.joints)
+        """(n, 2) Ends of each coordinate, its followers' ranges kept; the start is in between."""
+        both = zip(self.model.ranges, self.joints, strict=True)
+        return tuple((min(low, q), max(high, q)) for (low, high), q in both)
 
     @property
     def max_joint_speed(self) -> tuple[float, ...]:
-        """(n,) Limits of the joints' rates."""
-        return tuple(joint.max_speed for joint in self.model.joints)
+        """(n,) Limits of the coordinates' rates, with which followers keep their own."""
+        own = [joint.max_speed for joint in self.model.coordinates]
+        return self.model.limits(own, "max_speed")
+
+    def farthest(self, k: int) -> float:
+        """Return the largest size of the value of joint k (from 0)."""
+        line = self.model.lines[k]
+        ends = self.joint_range[line.coordinate]
+        return max(abs(line.factor * end + line.offset) for end in ends)
 
     @property
     def reach(self) -> float:
         """Bound of the distance between the base's origin and the hand."""
         reach = math.hypot(*self.model.hand.point)
-        for joint in self.model.joints[: self.model.hand.joint]:
+        for k in self.model.path(self.model.hand.joint):
+            joint = self.model.joints[k]
             reach += math.hypot(*joint.origin)
             if joint.type == "prismatic":
-                reach += max(abs(joint.range[0]), abs(joint.range[1]))
+                reach += self.farthest(k)
         return reach
 
 

@@ -35,11 +35,19 @@ def place_links(carriers, ends, frames, out, balls):
 
 
 @njit(_nrt=False)
-def place_frames(rows, q, frames, axes):
-    """Write frames and axes.  The frame at hand is kept in numbers: arrays may overlap."""
+def place_frames(rows, q, frames, axes, parents):
+    """Write frames and axes.  The frame at hand is kept in numbers: arrays may overlap.
+
+    Without `parents`, None, every joint stands on the one before; else joint k on frame parents[k].
+    """
     a, b, c, d, e, f, g, h, i = 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0
     x, y, z = 0.0, 0.0, 0.0
     for k in range(q.size):
+        if parents is not None and parents[k] != k:
+            p = parents[k]
+            a, b, c, x = frames[p, 0], frames[p, 1], frames[p, 2], frames[p, 9]
+            d, e, f, y = frames[p, 3], frames[p, 4], frames[p, 5], frames[p, 10]
+            g, h, i, z = frames[p, 6], frames[p, 7], frames[p, 8], frames[p, 11]
         u, v, w = rows[k, 1], rows[k, 2], rows[k, 3]
         x, y, z = (
             x + a * u + b * v + c * w, y + d * u + e * v + f * w, z + g * u + h * v + i * w
@@ -74,7 +82,7 @@ def _turned_by(axes, k, x, y, z):
 
 
 @njit(_nrt=False, forceinline=True)
-def travel_of(joints, axes, reaches, last, i, turns, rates, half):
+def travel_of(joints, axes, reaches, last, i, turns, rates, half, path):
     """Bound how far points of link i travel from share s of a move to s +- half.
 
     There are two bounds; on a link the farther end bounds all points.
@@ -89,19 +97,23 @@ def travel_of(joints, axes, reaches, last, i, turns, rates, half):
     Parameters
     ----------
     last : int
-        Joints before this one carry the link.
+        Number of the joints that carry the link.
     turns : (n,) ndarray
         Bound how far each joint turns.
     rates : (n,) ndarray
         Of the joints at s, per share.
+    path : (m, last) ndarray, optional
+        Joints that carry each link, from the base outwards; the first `last` without it.
     """
     way, stray, before = 0.0, 0.0, 0.0
     x, y, z = reaches[i, 0], reaches[i, 1], reaches[i, 2]
     u, v, w = reaches[i, 3], reaches[i, 4], reaches[i, 5]
     ax, ay, az, bx, by, bz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    for k in range(last):
+    for step in range(last):
+        k = step if path is None else path[i, step]
         before += turns[k] if joints[k, 0] == REVOLUTE else 0.0
-    for k in range(last - 1, -1, -1):
+    for step in range(last - 1, -1, -1):
+        k = step if path is None else path[i, step]
         if turns[k] > 0.0:
             if joints[k, 0] == PRISMATIC:
                 px, py, pz = axes[k, 3], axes[k, 4], axes[k, 5]
@@ -128,4 +140,4 @@ def sweep_links(joints, axes, reaches, carriers, curve, s, half, turns, rates, w
     for k in range(turns.size):
         turns[k], rates[k] = turn_of(curve, k, s, half), rate_of(curve, k, s)
     for i in range(ways.size):
-        ways[i] = travel_of(joints, axes, reaches, carriers[i], i, turns, rates, half)
+        ways[i] = travel_of(joints, axes, reaches, carriers[i], i, turns, rates, half, None)

@@ -59,7 +59,7 @@ class ChainLimb(NamedTuple):
 @njit(_nrt=False, forceinline=True)
 def place(limb, q):
     """Write frames, axes and links at a posture (n,) into the limb's arrays."""
-    place_frames(limb.joints, q, limb.frames, limb.axes)
+    place_frames(limb.joints, q, limb.frames, limb.axes, None)
     place_links(limb.carriers, limb.ends, limb.frames, limb.reaches, limb.balls)
     return q.size
 
@@ -68,7 +68,7 @@ def place(limb, q):
 def travel(limb, i, turns, rates, half):
     """Bound how far points of link i travel; see `travel_of`."""
     return travel_of(
-        limb.joints, limb.axes, limb.reaches, limb.carriers[i], i, turns, rates, half
+        limb.joints, limb.axes, limb.reaches, limb.carriers[i], i, turns, rates, half, None
     )  # fmt: skip
 
 
@@ -255,18 +255,15 @@ def jacobian(limb, q, out):
 
 
 def _tails(arm: Chain) -> np.ndarray:
-    """Bound of the hand's way for a unit of each joint (n,), at any posture."""
-    hand, tails = arm.model.hand, np.zeros(arm.dof)
-    far = math.hypot(*hand.point)
-    for k in range(hand.joint - 1, -1, -1):
-        joint = arm.model.joints[k]
-        if joint.type == "prismatic":
-            tails[k] = 1.0
-            far += max(abs(joint.range[0]), abs(joint.range[1]))
-        else:
-            tails[k] = far
-        far += math.hypot(*joint.origin)
-    return tails
+    """Bound of the hand's way for a unit of each coordinate (n,), at any posture."""
+    model, tails = arm.model, np.zeros(len(arm.model.joints))
+    far = math.hypot(*model.hand.point)
+    for k in reversed(model.path(model.hand.joint)):
+        joint = model.joints[k]
+        slides = joint.type == "prismatic"
+        tails[k] = 1.0 if slides else far
+        far += math.hypot(*joint.origin) + (arm.farthest(k) if slides else 0.0)
+    return tails @ np.abs(model.factors)
 
 
 def chain_limb_of(arm: Chain, bodies: tuple[str, ...] = ()) -> ChainLimb:
@@ -278,14 +275,14 @@ def chain_limb_of(arm: Chain, bodies: tuple[str, ...] = ()) -> ChainLimb:
     bodies : tuple of str
         Names of the situation's bodies, for the pairs that the arm ignores.
     """
-    model, n, m = arm.model, arm.dof, len(arm.model.links)
+    model, m, count = arm.model, len(arm.model.links), len(arm.model.joints)
     low, high = np.array(arm.joint_range).T.copy()
     hand = model.hand
     joints, ends = _axes_along_z(model)
     ignored = np.zeros((m, len(bodies)), dtype=np.bool_)
     for link, name in arm.ignored:
         ignored[link, [b == name for b in bodies]] = True
-    frames = np.zeros((n + 1, 12))
+    frames = np.zeros((count + 1, 12))
     frames[0, :9] = np.eye(3).ravel()
     return ChainLimb(
         joints=joints,
@@ -301,28 +298,28 @@ def chain_limb_of(arm: Chain, bodies: tuple[str, ...] = ()) -> ChainLimb:
         thickness=arm.thickness,
         length=max(0.5 * arm.reach, *(link.radius for link in model.links)),
         start=np.array(arm.joints),
-        rates=np.array(arm.joint_rates or (0.0,) * n),
+        rates=np.array(arm.joint_rates or (0.0,) * arm.dof),
         frames=frames,
-        axes=np.zeros((n, 6)),
+        axes=np.zeros((count, 6)),
         reaches=np.zeros((m + 1, 6)),
         balls=_balls(ends[:-1], np.array([link.radius for link in model.links])),
         near=np.zeros(m, dtype=np.int64),
         ways=np.zeros(m),
-        turns=np.zeros(n),
-        paces=np.zeros(n),
+        turns=np.zeros(count),
+        paces=np.zeros(count),
     )
 
 
 @lru_cache(maxsize=32)
 def _axes_along_z(model: ChainModel) -> tuple[np.ndarray, np.ndarray]:
-    """Return rows of joints (n, 13), and of links and hand (m + 1, 6), as `ChainLimb` has them.
+    """Return rows of joints (k, 13), and of links and hand (m + 1, 6), as `ChainLimb` has them.
 
     Frames are turned so that each joint moves about its z axis, which spares `place` a third.
     The arrays are kept, since a limb is packed for every situation.
     """
     turned, rows = [np.eye(3)], []
-    for joint in model.joints:
-        before, turn = turned[-1], _to_z(np.array(joint.axis))
+    for k, joint in enumerate(model.joints):
+        before, turn = turned[model.parent(k)], _to_z(np.array(joint.axis))
         turned.append(turn)
         kind = REVOLUTE if joint.type == "revolute" else PRISMATIC
         rotation = before.T @ rotation_of(joint.rotation) @ turn

@@ -7,11 +7,12 @@ from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
 
 from gcm_learn.arms.chain import Chain
-from gcm_learn.arms.chain_limb import ChainLimb, chain_limb_of
+from gcm_learn.arms.chain_limb import ChainLimb
 from gcm_learn.arms.planar import Arm
 from gcm_learn.arms.planar_limb import PlanarLimb, planar_limb_of
 from gcm_learn.arms.spatial import SpatialArm
 from gcm_learn.arms.spatial_limb import SpatialLimb, spatial_limb_of
+from gcm_learn.arms.tree_limb import TreeLimb, limb_of_chain
 from gcm_learn.errors import ArmKindError, not_among
 
 Entry = TypeVar("Entry")
@@ -66,7 +67,7 @@ SPATIAL = Kind(
     lambda arm, bodies: spatial_limb_of(arm),
     ("gcm-learn/situation@2", "gcm-learn/situation@3"),
 )
-CHAIN = Kind("chain", "chains", Chain, ChainLimb, chain_limb_of, ("gcm-learn/situation@3",))
+CHAIN = Kind("chain", "chains", Chain, ChainLimb, limb_of_chain, ("gcm-learn/situation@3",))
 
 _BY_ARM: dict[type, Kind] = {}
 _BY_TYPE: dict[type, Kind] = {}  # of records and of limbs
@@ -80,6 +81,7 @@ def register_kind(kind: Kind) -> None:
 
 for _kind in (PLANAR, SPATIAL, CHAIN):
     register_kind(_kind)
+_BY_TYPE[TreeLimb] = CHAIN
 
 
 def kinds() -> tuple[Kind, ...]:

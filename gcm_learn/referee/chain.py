@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -27,10 +28,12 @@ class Joint:
     turn: tuple[Array, Array, Array]
     """Parts of the rotation that stay, go with the cosine, and go with the sine."""
     ends: tuple[float, float]
+    parent: int
+    """Frame on which the joint stands."""
 
 
-def joint_of(given: dict[str, Any]) -> Joint:
-    """Return a joint of an arm file."""
+def joint_of(given: dict[str, Any], number: int) -> Joint:
+    """Return a joint of an arm file; its number counts from 1."""
     axis = unit(given["axis"])
     before = rotations(given.get("rotation", (1.0, 0.0, 0.0, 0.0)))
     along = np.outer(axis, axis)
@@ -38,16 +41,30 @@ def joint_of(given: dict[str, Any]) -> Joint:
     origin = np.array(given.get("origin", ZERO), dtype=float)
     slides = given.get("type", "revolute") == "prismatic"
     low, high = given["range"]
-    return Joint(origin, before @ axis, slides, parts, (float(low), float(high)))
+    ends = (float(low), float(high))
+    return Joint(origin, before @ axis, slides, parts, ends, given.get("parent", number - 1))
+
+
+def lines_of(joints: Sequence[dict[str, Any]]) -> tuple[Array, Array]:
+    """Return factors (m, n) and offsets (m,) of the joints' values by the coordinates."""
+    own = [k for k, joint in enumerate(joints) if "follows" not in joint]
+    factors, offsets = np.zeros((len(joints), len(own))), np.zeros(len(joints))
+    for k, joint in enumerate(joints):
+        line = joint.get("follows", {"joint": k + 1, "factor": 1.0})
+        factors[k, own.index(line["joint"] - 1)] = line["factor"]
+        offsets[k] = line.get("offset", 0.0)
+    return factors, offsets
 
 
 @dataclass(frozen=True)
 class Geometry:
-    """Bodies of an open chain of joints."""
+    """Bodies of an open tree of m joints, whose values follow from n coordinates."""
 
     base: tuple[Array, Array]
     """Origin (3,) and rotation (3, 3) of frame 0 in the world."""
     joints: list[Joint]
+    lines: tuple[Array, Array]
+    """Factors (m, n) and offsets (m,) of the joints' values."""
     carriers: Array
     """Joints (links,) that carry the links, 0 for the base."""
     axes: Array
@@ -55,13 +72,22 @@ class Geometry:
     radii: Array
     pairs: Array = field(default_factory=lambda: np.zeros((0, 2), dtype=int))
 
+    def followed(self, curve: Curve) -> Curve:
+        """Return the curve of all m joints by that of the coordinates."""
+        factors, offsets = self.lines
+        powers = np.einsum("mn,knp->kmp", factors, curve.powers)
+        powers[:, :, 0] += offsets
+        return Curve(curve.knots, powers)
+
     def frames(self, joints: Array) -> tuple[Array, Array]:
-        """Return frames 0 to n of joints (k, n): rotations (n + 1, k, 3, 3), origins."""
+        """Return frames 0 to m of joints (k, n): rotations (m + 1, k, 3, 3), origins."""
         k = len(joints)
         turn, at = np.broadcast_to(self.base[1], (k, 3, 3)), np.broadcast_to(self.base[0], (k, 3))
         turns, places = [turn], [at]
+        joints = joints @ self.lines[0].T + self.lines[1]
         cosine, sine = np.cos(joints)[:, :, None, None], np.sin(joints)[:, :, None, None]
         for j, joint in enumerate(self.joints):
+            turn, at = turns[joint.parent], places[joint.parent]
             stay, c, s = joint.turn
             offset = joint.origin
             if joint.slides:
@@ -94,42 +120,50 @@ class Geometry:
         """Return velocities (k, 3) of a point of a joint's frame."""
         turn, at = self.frames(joints)
         place = at[joint] + turn[joint] @ point
-        total = np.zeros_like(place)
-        for j in range(joint):
-            axis = turn[j] @ self.joints[j].axis
+        total, rates = np.zeros_like(place), rates @ self.lines[0].T
+        for j in self.path(joint):
+            axis = turn[self.joints[j].parent] @ self.joints[j].axis
             arm = axis if self.joints[j].slides else np.cross(axis, place - at[j + 1])
             total += rates[:, j, None] * arm
         return total
 
+    def path(self, frame: int) -> list[int]:
+        """Return the joints (from 0) that move a frame, from the base outwards."""
+        path: list[int] = []
+        while frame > 0:
+            path.insert(0, frame - 1)
+            frame = self.joints[frame - 1].parent
+        return path
+
     @cached_property
     def lengths(self) -> Array:
-        """Bounds (n,) of the distance between the origins of frames k and k + 1."""
+        """Bounds (m,) of the distance between each frame's origin and that of the one before."""
         slide = [max(map(abs, j.ends)) if j.slides else 0.0 for j in self.joints]
         return np.array([np.linalg.norm(j.origin) for j in self.joints]) + slide
 
     def levers(self, joint: int, reach: float) -> Array:
-        """Return ways (n,) of a point of a joint's frame, at most `reach` off, by unit of joint."""
+        """Return ways (m,) of a point of a joint's frame, at most `reach` off, by unit of joint."""
         out = np.zeros(len(self.joints))
-        for j in range(joint):
-            slides = self.joints[j].slides
-            out[j] = 1.0 if slides else self.lengths[j + 1 : joint].sum() + reach
+        for j in reversed(self.path(joint)):
+            out[j] = 1.0 if self.joints[j].slides else reach
+            reach += self.lengths[j]
         return out
 
     @cached_property
     def link_levers(self) -> Array:
-        """Ways (links, n) of the links by unit of each joint."""
+        """Ways (links, m) of the links by unit of each joint."""
         reach = np.linalg.norm(self.axes, axis=2).max(axis=1)
         both = zip(self.carriers, reach, strict=True)
         return np.array([self.levers(int(joint), far) for joint, far in both])
 
     @cached_property
     def pair_levers(self) -> Array:
-        """Ways (pairs, n) of links relative to each other: joints between them alone count."""
+        """Ways (pairs, m) of links relative to each other: joints between them alone count."""
         out = np.zeros((len(self.pairs), len(self.joints)))
-        for k, pair in enumerate(self.pairs):
-            inner, outer = sorted(pair, key=lambda link: self.carriers[link])
-            out[k] = self.link_levers[outer]
-            out[k, : self.carriers[inner]] = 0.0
+        for k, (first, second) in enumerate(self.pairs):
+            out[k] = self.link_levers[first] + self.link_levers[second]
+            common = set(self.path(self.carriers[first])) & set(self.path(self.carriers[second]))
+            out[k, list(common)] = 0.0
         return out
 
 
@@ -160,7 +194,7 @@ class ChainMotion:
 
     def _ways(self, levers: Array, low: Array, middle: Array, high: Array) -> Array:
         first, at, last = (self._turned(t) for t in (low, middle, high))
-        return np.maximum(at - first, last - at) @ levers.T
+        return np.maximum(at - first, last - at) @ np.abs(self.geometry.lines[0]).T @ levers.T
 
     def _turned(self, times: Array) -> Array:
         """Return bounds (k, n) of the ways of the joints since t = 0."""

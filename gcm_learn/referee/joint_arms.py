@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from gcm_learn.referee.bodies import Body
-from gcm_learn.referee.chain import ZERO, ChainMotion, Geometry, joint_of
+from gcm_learn.referee.chain import ZERO, ChainMotion, Geometry, joint_of, lines_of
 from gcm_learn.referee.complaints import Complaint, Unreadable
 from gcm_learn.referee.contact import Motion
 from gcm_learn.referee.curves import Curve, curve_of
@@ -22,6 +22,7 @@ from gcm_learn.referee.tolerances import TOLERANCES, Tolerances
 Columns = Mapping[str, Array]
 Models = Mapping[str, Mapping[str, Any]]
 UNTURNED = (1.0, 0.0, 0.0, 0.0)
+UNLIMITED = 1e50
 
 
 @dataclass(frozen=True)
@@ -67,7 +68,7 @@ class JointArm:
         """Return complaints about start, places and limits."""
         curve, granted = _curve(columns), self.granted
         complaints = [*self._start(columns), *self._places(columns)]
-        complaints += joint_complaints(self.limits, curve, granted)
+        complaints += joint_complaints(self.limits, self.geometry.followed(curve), granted)
         hand = self.points["hand"]
         limit = self.limits.hand_speed
         return complaints + hand_complaints(limit, self.geometry, curve, hand, granted.limit)
@@ -142,7 +143,8 @@ def read_chain(arm: Mapping[str, Any], models: Models) -> JointArm:
     if isinstance(model, str):
         model = models[model] if model in models else shipped_model(model)
     check_model(model, arm)
-    own = [joint.get("max_acceleration") for joint in model["joints"]]
+    leaders = [joint for joint in model["joints"] if "follows" not in joint]
+    own = [joint.get("max_acceleration") for joint in leaders]
     acceleration = arm.get("max_acceleration", None if own[0] is None else own)
     return _arm(
         3, model, arm.get("base"), arm["posture"], arm.get("rates"), acceleration,
@@ -202,7 +204,7 @@ def _arm(
         low,
         high,
         speed=np.array([joint["max_speed"] for joint in joints], dtype=float),
-        acceleration=None if acceleration is None else np.array(acceleration, dtype=float),
+        acceleration=None if acceleration is None else _accelerations(joints, acceleration),
         hand_speed=hand_speed,
     )
     return JointArm(
@@ -218,12 +220,23 @@ def _arm(
     )
 
 
+def _accelerations(joints: Any, given: Any) -> Array:
+    """Return the limits (m,) of all joints by those of the coordinates (n,)."""
+    left = iter(given)
+    limits = [
+        joint.get("max_acceleration", UNLIMITED) if "follows" in joint else next(left)
+        for joint in joints
+    ]
+    return np.array(limits, dtype=float)
+
+
 def _geometry(model: Mapping[str, Any], base: Mapping[str, Any]) -> Geometry:
     links = model["links"]
     place = np.array(base.get("origin", ZERO), dtype=float)
     return Geometry(
         base=(place, rotations(base.get("rotation", UNTURNED))),
-        joints=[joint_of(joint) for joint in model["joints"]],
+        joints=[joint_of(joint, k) for k, joint in enumerate(model["joints"], 1)],
+        lines=lines_of(model["joints"]),
         carriers=np.array([link["joint"] for link in links]),
         axes=np.array([[link["from"], link["to"]] for link in links], dtype=float),
         radii=np.array([link["radius"] for link in links], dtype=float),

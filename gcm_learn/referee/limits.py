@@ -15,7 +15,7 @@ from gcm_learn.referee.tolerances import ROUNDING, WORK, Tolerances
 
 @dataclass(frozen=True)
 class Limits:
-    """Limits of an arm with n joints."""
+    """Limits of an arm with m joints."""
 
     low: Array
     high: Array
@@ -92,7 +92,7 @@ def hand_complaints(
     """Return a complaint about the speed of a point of a joint's frame, if it is too high."""
     if limit is None:
         return []
-    reach = geometry.lengths[: hand[0]].sum() + np.linalg.norm(hand[1])
+    reach = geometry.lengths[geometry.path(hand[0])].sum() + np.linalg.norm(hand[1])
     rounding = 2.0 * ROUNDING * (1.0 + np.abs(curve.powers[:, :, 0]).max()) * reach
     span = np.where(curve.spans > 0.0, curve.spans, 1.0)
     most = (limit * (1.0 + granted) + rounding / span) ** 2
@@ -148,11 +148,11 @@ def _bounds(geometry: Geometry, curve: Curve, hand: tuple[int, Array]) -> tuple[
     Rotations turn a vector one after the other.  Its k-th derivative is at most its length times
     the k-th complete Bell polynomial of the sums of the angles' derivatives.
     """
-    x, y, z = (curve.most(order) for order in (1, 2, 3))
+    x, y, z = (geometry.followed(curve).most(order) for order in (1, 2, 3))
     turned = [np.zeros(len(x)) for _ in range(3)]
     n1, n2, n3 = (np.zeros(len(x)) for _ in range(3))
-    for j, joint in enumerate(geometry.joints[: hand[0]]):
-        b1, b2, b3 = _bell(*turned)
+    for j in geometry.path(hand[0]):
+        joint, (b1, b2, b3) = geometry.joints[j], _bell(*turned)
         size = float(np.linalg.norm(joint.origin))
         if joint.slides:
             far = size + max(map(abs, joint.ends))

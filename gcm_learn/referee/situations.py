@@ -13,6 +13,8 @@ from gcm_learn.referee.form import is_number
 Check = Callable[[Any], bool]
 UNIT = 1e-5
 """By which the length of a direction or a quaternion may differ from 1; *contract*."""
+FOLLOWING = 1e-6
+"""By which a follower may be outside its range at t = 0, relative and absolute; *contract*."""
 FASTEST = 1e4
 """Rate of a pendulum's changes beyond which it is no pendulum [1/s]."""
 
@@ -112,7 +114,10 @@ JOINT: tuple[Fields, Fields] = (
 LINK: Fields = {"joint": _index, "from": V3, "to": V3, "radius": positive}
 MODELS: dict[str, tuple[Fields, Fields]] = {
     "gcm-learn/arm@1": ({}, {}),
-    "gcm-learn/arm@2": ({}, {"name": _text}),
+    "gcm-learn/arm@2": (
+        {"max_jerk": positive, "parent": _index, "follows": lambda value: _object(value)},
+        {"name": _text},
+    ),
 }
 """Fields of joints and of links that formats of arm files add."""
 ARMS: dict[str, tuple[Fields, Fields]] = {
@@ -227,6 +232,7 @@ def check_model(model: Any, arm: Mapping[str, Any]) -> None:
     n, (of_joints, of_links) = len(model["joints"]), MODELS[model["format"]]
     for k, joint in enumerate(model["joints"]):
         _fields(joint, f"{path}.joints[{k}]", JOINT[0], {**JOINT[1], **of_joints})
+        _check_tree(model["joints"], k, f"{path}.joints[{k}]")
     _fields(model["hand"], f"{path}.hand", {"joint": _index, "point": V3}, {"axis": _unit(3)})
     for k, link in enumerate(model["links"]):
         _fields(link, f"{path}.links[{k}]", LINK, of_links)
@@ -236,11 +242,39 @@ def check_model(model: Any, arm: Mapping[str, Any]) -> None:
         raise Unreadable(f"{path}.hand.joint: there are {n} joints")
     if any(i == j or max(i, j) >= len(model["links"]) for i, j in model.get("self_collision", [])):
         raise Unreadable(f"{path}.self_collision: not a pair of links")
-    if len({"max_acceleration" in joint for joint in model["joints"]}) > 1:
-        raise Unreadable(f"{path}.joints: some have a max_acceleration")
+    leaders = [joint for joint in model["joints"] if "follows" not in joint]
+    for name in ("max_acceleration", "max_jerk"):
+        if len({name in joint for joint in leaders}) > 1:
+            raise Unreadable(f"{path}.joints: some have a {name}")
+    n = len(leaders)
     for name in ("posture", "rates", "max_acceleration"):
         if arm.get(name) is not None and len(arm[name]) != n:
-            raise Unreadable(f"arm.{name}: has {len(arm[name])} numbers, there are {n} joints")
+            raise Unreadable(f"arm.{name}: has {len(arm[name])} numbers, there are {n} coordinates")
+    _check_followers(model["joints"], arm["posture"])
+
+
+def _check_tree(joints: Any, k: int, path: str) -> None:
+    """Refuse a joint (from 0) that stands on, or follows, what does not come before it."""
+    if joints[k].get("parent", k) > k:
+        raise Unreadable(f"{path}.parent: is not before the joint")
+    if "follows" in joints[k]:
+        follows = joints[k]["follows"]
+        line: Fields = {"joint": _index, "factor": is_number}
+        _fields(follows, f"{path}.follows", line, {"offset": is_number})
+        if not 1 <= follows["joint"] <= k or "follows" in joints[follows["joint"] - 1]:
+            raise Unreadable(f"{path}.follows.joint: is no leader before the joint")
+
+
+def _check_followers(joints: Any, posture: Any) -> None:
+    """Refuse a start at which a follower is outside its range."""
+    leaders = [k for k, joint in enumerate(joints, 1) if "follows" not in joint]
+    for k, joint in enumerate(joints):
+        if "follows" in joint:
+            line, (low, high) = joint["follows"], joint["range"]
+            value = line["factor"] * posture[leaders.index(line["joint"])] + line.get("offset", 0.0)
+            slack = [FOLLOWING * max(1.0, abs(end)) for end in (low, high)]
+            if not low - slack[0] <= value <= high + slack[1]:
+                raise Unreadable(f"arm.posture: puts joints[{k}] at {value:g}, out of its range")
 
 
 def _body(body: Any, path: str, version: int, solid: bool) -> None:

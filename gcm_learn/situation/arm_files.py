@@ -22,7 +22,10 @@ from gcm_learn.situation.json_records import (
 from gcm_learn.situation.json_text import read_value
 
 ARM_FORMATS = ("gcm-learn/arm@1", "gcm-learn/arm@2")
-NEW: dict[type, tuple[str, ...]] = {Link: ("name",), ChainJoint: ()}
+NEW: dict[type, tuple[str, ...]] = {
+    Link: ("name",),
+    ChainJoint: ("parent", "follows", "max_jerk"),
+}
 """Fields of records that `@2` adds; each is None in a record where it is absent."""
 
 

@@ -7,7 +7,7 @@ import math
 from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple, TypeVar
 
-from gcm_learn.arms import Chain, Link
+from gcm_learn.arms import Chain, ChainJoint, Follows, Link
 from gcm_learn.checks import LARGEST, UNIT_LENGTH, UNIT_TOLERANCE, quote, show
 from gcm_learn.errors import SituationError
 from gcm_learn.situation.json_text import RepeatedField
@@ -35,6 +35,8 @@ RENAMED: dict[type, Renamed] = {
 }
 NORMALISED = ("rotation", "orientation", "axis", "down")
 """Fields with unit vectors, which newer formats normalise instead of refusing them."""
+NESTED: dict[type, dict[str, type]] = {ChainJoint: {"follows": Follows}}
+"""Fields that hold records, by name."""
 _NONE = Renamed({})
 
 
@@ -78,7 +80,11 @@ def record_from(
     """Return a record of the members of a JSON object, `extra` aside; it has none of `absent`."""
     members = object_from(obj, path)
     check_names(members, path, record, extra, absent=absent)
-    return made_from(record, {k: v for k, v in members.items() if k not in extra}, path)
+    values = {k: v for k, v in members.items() if k not in extra}
+    for name, inner in NESTED.get(record, {}).items():
+        if name in values:
+            values[name] = record_from(inner, values[name], join(path, name))
+    return made_from(record, values, path)
 
 
 def records_from(

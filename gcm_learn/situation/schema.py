@@ -25,6 +25,7 @@ from gcm_learn.arms import (
     Chain,
     ChainJoint,
     ChainModel,
+    Follows,
     Hand,
     Link,
     SpatialArm,
@@ -67,7 +68,9 @@ NUMBERS: dict[type, dict[str, Schema]] = {
     )
     | dict.fromkeys(("thickness", "grasp"), _NOT_NEGATIVE),
     Chain: {"max_hand_speed": _POSITIVE, "grasp": _NOT_NEGATIVE},
-    ChainJoint: dict.fromkeys(("max_speed", "max_acceleration"), _POSITIVE),
+    ChainJoint: dict.fromkeys(("max_speed", "max_acceleration", "max_jerk"), _POSITIVE)
+    | {"parent": _NOT_NEGATIVE},
+    Follows: {"joint": {"minimum": 1}},
     Link: {"radius": _POSITIVE, "joint": _NOT_NEGATIVE},
     Hand: {"joint": {"minimum": 1}},
     ChainModel: {"self_collision": _NOT_NEGATIVE},

@@ -1,4 +1,4 @@
-"""Kinematics of chains against the referee and MuJoCo, and bounds of motion against samples."""
+"""Kinematics of chains and trees against the referee and MuJoCo; bounds against samples."""
 
 from __future__ import annotations
 
@@ -10,8 +10,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gcm_learn.arms import Chain, chain_limb_of, hands_along, links_along
-from gcm_learn.arms.chain_limb import (
+from gcm_learn.arms import Chain, hands_along, limb_of_chain, links_along, tree_limb
+from gcm_learn.arms.chain_limb import travel
+from gcm_learn.arms.curves import hermite, on_curve
+from gcm_learn.arms.limbs import (
     axis_bound,
     axis_turns,
     hand_bound,
@@ -23,9 +25,7 @@ from gcm_learn.arms.chain_limb import (
     self_gap,
     still,
     swept,
-    travel,
 )
-from gcm_learn.arms.curves import hermite, on_curve
 from gcm_learn.motion.joint_verification import hand_too_fast
 from gcm_learn.situation.arm_json import arm_members
 from tests import strategies
@@ -33,6 +33,7 @@ from tests.geometry import arm_of, hand_of, links_of
 
 SEEDS = st.integers(0, 2**32 - 1)
 HAIR = 1e-9
+ANY = strategies.chains() | strategies.chains(trees=True)
 
 
 def judged(arm):
@@ -63,7 +64,7 @@ def along(curve, shares):
     return joints
 
 
-@given(strategies.chains(), SEEDS)
+@given(ANY, SEEDS)
 def test_links_and_hands_are_the_referees(arm, seed):
     joints, other = postures(arm, seed, 5), judged(arm)
     (ends, radii), (hands, axes) = links_along(arm, joints), hands_along(arm, joints)
@@ -110,9 +111,9 @@ def mjcf(arm: Chain):
     return f'<mujoco><compiler angle="radian"/><worldbody>{base}</worldbody></mujoco>'
 
 
-@given(strategies.chains(), SEEDS)
+@given(ANY, SEEDS)
 def test_derivatives_are_differences(arm, seed):
-    limb, q = chain_limb_of(arm), postures(arm, seed, 1)[0]
+    limb, q = limb_of_chain(arm), postures(arm, seed, 1)[0]
     turns, moves, h = np.zeros((3, arm.dof)), np.zeros((3, arm.dof)), 1e-6
     place(limb, q)
     jacobian(limb, q, moves)
@@ -125,9 +126,9 @@ def test_derivatives_are_differences(arm, seed):
         assert turns[:, j] == pytest.approx((axes[0] - axes[1]) / (2 * h), abs=1e-6)
 
 
-@given(strategies.chains(), SEEDS, st.floats(0.0, 1.0))
+@given(ANY, SEEDS, st.floats(0.0, 1.0))
 def test_no_point_of_a_link_travels_farther_than_its_bound(arm, seed, width):
-    limb, curve = chain_limb_of(arm), moved(arm, seed)
+    limb, curve = limb_of_chain(arm), moved(arm, seed)
     middle, half = 0.5, 0.5 * width
     joints = along(curve, np.linspace(middle - half, middle + half, 101))
     at = along(curve, np.array([middle]))
@@ -137,22 +138,24 @@ def test_no_point_of_a_link_travels_farther_than_its_bound(arm, seed, width):
     assert (way <= limb.ways + HAIR).all()
 
 
-@given(strategies.chains(), SEEDS, st.floats(0.0, 2.0))
+@given(ANY, SEEDS, st.floats(0.0, 2.0))
 def test_travel_bounds_any_turns_either_way(arm, seed, most):
     """Joints may leave their ranges, as those of a bound do."""
-    limb, (q,) = chain_limb_of(arm), postures(arm, seed, 1)
-    rng = np.random.default_rng(seed)
+    limb, (q,) = limb_of_chain(arm), postures(arm, seed, 1)
+    rng, factors = np.random.default_rng(seed), arm.model.factors
+    bound = travel if arm.model.serial else tree_limb.travel
     place(limb, q)
     for turns in most * rng.uniform(-1, 1, (20, arm.dof)):
         (now, _), (then, _) = links_along(arm, q[None]), links_along(arm, q + [turns, -turns])
         way = np.linalg.norm(then - now, axis=3).max(axis=(0, 2))
-        bounds = [travel(limb, i, abs(turns), turns, 1.0) for i in range(len(arm.model.links))]
+        rates = factors @ turns
+        bounds = [bound(limb, i, abs(rates), rates, 1.0) for i in range(len(arm.model.links))]
         assert (way <= np.array(bounds) + HAIR).all()
 
 
-@given(strategies.chains(), SEEDS)
+@given(ANY, SEEDS)
 def test_the_hands_rate_and_its_bounds(arm, seed):
-    limb, curve, q = chain_limb_of(arm), moved(arm, seed), np.zeros(arm.dof)
+    limb, curve, q = limb_of_chain(arm), moved(arm, seed), np.zeros(arm.dof)
     h, shares = 1e-6, np.linspace(0.01, 0.99, 23)
     ahead, behind = (hands_along(arm, along(curve, shares + side)) for side in (h, -h))
     speeds = np.linalg.norm(ahead[0] - behind[0], axis=1) / (2 * h)
@@ -173,19 +176,19 @@ def test_the_hands_rate_and_its_bounds(arm, seed):
     assert way <= hand_travel(limb, first, last) + HAIR
 
 
-@given(strategies.chains(), SEEDS)
+@given(ANY, SEEDS)
 def test_no_hand_that_is_too_fast_is_missed(arm, seed):
-    limb, curve, q = chain_limb_of(arm), moved(arm, seed), np.zeros(arm.dof)
+    limb, curve, q = limb_of_chain(arm), moved(arm, seed), np.zeros(arm.dof)
     fastest = max(hand_rate(limb, curve, s, q) for s in np.linspace(0.0, 1.0, 2001))
     assert fastest == 0.0 or hand_too_fast(limb, curve, fastest * (1.0 - 1e-9), q)
     assert not hand_too_fast(limb, curve, fastest * 1.02 + 1e-6, q)
 
 
-@given(strategies.chains(), SEEDS)
+@given(ANY, SEEDS)
 def test_the_nearest_pair_by_many_points(arm, seed):
     pairs = tuple(itertools.combinations(range(len(arm.model.links)), 2))
     arm = replace(arm, model=replace(arm.model, self_collision=pairs))
-    limb, (q,) = chain_limb_of(arm), postures(arm, seed, 1)
+    limb, (q,) = limb_of_chain(arm), postures(arm, seed, 1)
     where = place(limb, q)
     gap, same = self_gap(limb, where, still(limb), 1e300)
     (ends,), radii = links_along(arm, q[None])

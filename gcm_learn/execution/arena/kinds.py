@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from gcm_learn.arms import CHAIN, PLANAR, SPATIAL, ByKind, Chain, ChainModel, chain_limb_of
+from gcm_learn.arms import CHAIN, PLANAR, SPATIAL, ByKind, Chain, ChainModel, limb_of_chain
 from gcm_learn.errors import ArenaError
 from gcm_learn.execution.arena.kernels.hands import fan as hand_fan
 from gcm_learn.execution.arena.kernels.hands import observation as hand_observation
@@ -103,7 +103,7 @@ _SPATIAL_LAYOUT = Layout(
 
 def _chain_layout(model: ChainModel) -> Layout:
     """Layout of chains of a model, which have no fan; counted by the kernels."""
-    limb = chain_limb_of(Chain(model, tuple(joint.range[0] for joint in model.joints), 0.0))
+    limb = limb_of_chain(Chain(model, tuple(low for low, _ in model.ranges), 0.0))
     arm, target = joint_observation.arm_numbers(limb), joint_observation.target_numbers(limb)
     straight = arm + joint_observation.UNTIL_AIM
     return Layout(model.dof, arm, target, joint_observation.OBSTACLE, 0, straight)
