@@ -256,7 +256,7 @@ def chain_models(draw, trees=False):
         )
         joints.append(draw(_in_tree(made, joints)) if trees else made)
     ends = vectors(3, st.floats(-1.0, 1.0))
-    named = draw(st.sampled_from([[None] * 5, ["base", None, "arm", "arm", ""]]))
+    named = draw(st.sampled_from([[None] * 7, ["base", None, "arm", "arm", "", None, "b"]]))
     links = tuple(
         Link(k, draw(ends), draw(ends), draw(lengths), named[k]) for k in range(count + 1)
     )

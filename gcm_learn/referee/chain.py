@@ -32,7 +32,7 @@ class Joint:
     """Frame on which the joint stands."""
 
 
-def joint_of(given: dict[str, Any], number: int) -> Joint:
+def _joint(given: dict[str, Any], number: int) -> Joint:
     """Return a joint of an arm file; its number counts from 1."""
     axis = unit(given["axis"])
     before = rotations(given.get("rotation", (1.0, 0.0, 0.0, 0.0)))
@@ -45,15 +45,15 @@ def joint_of(given: dict[str, Any], number: int) -> Joint:
     return Joint(origin, before @ axis, slides, parts, ends, given.get("parent", number - 1))
 
 
-def lines_of(joints: Sequence[dict[str, Any]]) -> tuple[Array, Array]:
-    """Return factors (m, n) and offsets (m,) of the joints' values by the coordinates."""
+def tree_of(joints: Sequence[dict[str, Any]]) -> tuple[list[Joint], tuple[Array, Array]]:
+    """Return the joints of an arm file, and `Geometry.lines`."""
     own = [k for k, joint in enumerate(joints) if "follows" not in joint]
     factors, offsets = np.zeros((len(joints), len(own))), np.zeros(len(joints))
     for k, joint in enumerate(joints):
         line = joint.get("follows", {"joint": k + 1, "factor": 1.0})
         factors[k, own.index(line["joint"] - 1)] = line["factor"]
         offsets[k] = line.get("offset", 0.0)
-    return factors, offsets
+    return [_joint(joint, k) for k, joint in enumerate(joints, 1)], (factors, offsets)
 
 
 @dataclass(frozen=True)

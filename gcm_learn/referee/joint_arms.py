@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from gcm_learn.referee.bodies import Body
-from gcm_learn.referee.chain import ZERO, ChainMotion, Geometry, joint_of, lines_of
+from gcm_learn.referee.chain import ZERO, ChainMotion, Geometry, tree_of
 from gcm_learn.referee.complaints import Complaint, Unreadable
 from gcm_learn.referee.contact import Motion
 from gcm_learn.referee.curves import Curve, curve_of
@@ -234,9 +234,8 @@ def _geometry(model: Mapping[str, Any], base: Mapping[str, Any]) -> Geometry:
     links = model["links"]
     place = np.array(base.get("origin", ZERO), dtype=float)
     return Geometry(
-        base=(place, rotations(base.get("rotation", UNTURNED))),
-        joints=[joint_of(joint, k) for k, joint in enumerate(model["joints"], 1)],
-        lines=lines_of(model["joints"]),
+        (place, rotations(base.get("rotation", UNTURNED))),
+        *tree_of(model["joints"]),
         carriers=np.array([link["joint"] for link in links]),
         axes=np.array([[link["from"], link["to"]] for link in links], dtype=float),
         radii=np.array([link["radius"] for link in links], dtype=float),

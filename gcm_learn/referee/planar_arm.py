@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from gcm_learn.referee.bodies import Body
-from gcm_learn.referee.chain import ChainMotion, Geometry, joint_of
+from gcm_learn.referee.chain import ChainMotion, Geometry, tree_of
 from gcm_learn.referee.complaints import Complaint
 from gcm_learn.referee.contact import Motion
 from gcm_learn.referee.curves import curve_of
@@ -92,11 +92,11 @@ class PlanarArm:
         """Return the movement with joints that are linear between samples, as that of a chain."""
         turn = np.column_stack([*self.plane.axes, np.cross(*self.plane.axes)])
         hinge = {"axis": [0.0, 0.0, 1.0], "range": [0.0, 0.0]}
-        joints = [joint_of(hinge), joint_of(hinge | {"origin": [self.rho, 0.0, 0.0]})]
+        tree = tree_of([hinge, hinge | {"origin": [self.rho, 0.0, 0.0]}])
         axes = np.zeros((2, 2, 3))
         axes[:, 1, 0] = self.rho, 1.0
         base = (self.plane.origin, turn)
-        geometry = Geometry(base, joints, np.array([1, 2]), axes, self.radii)
+        geometry = Geometry(base, *tree, np.array([1, 2]), axes, self.radii)
         return ChainMotion(geometry, curve_of(columns["time"], columns["joints"]), 1.0)
 
     def resting(self) -> Motion:

@@ -191,3 +191,14 @@ def test_a_chain_with_a_prismatic_joint():
 def test_versions_know_their_arms():
     kinds = {name: [kind.name for kind in version.kinds] for name, version in FORMATS.items()}
     assert list(kinds.values()) == [["planar"], ["spatial"], ["spatial", "chain"]]
+
+
+@given(strategies.chain_models(trees=True))
+def test_trees_and_followers_round_trip(model):
+    written = arm_to_json(model)
+    assert arm_from_json(json.loads(json.dumps(written))) == model
+    newer = not model.serial or any(link.name is not None for link in model.links)
+    assert written["format"] == f"gcm-learn/arm@{1 + newer}"
+    if not model.serial:
+        with pytest.raises(SituationError, match=r"is not a known field"):
+            arm_from_json(written | {"format": "gcm-learn/arm@1"})
