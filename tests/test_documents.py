@@ -27,6 +27,12 @@ DOCUMENTS = [
     *sorted(ROOT.glob("*.md")),
     *(path for path in sorted((ROOT / "docs").glob("*.md")) if path.stem not in MADE),
 ]
+BESIDE = sorted(
+    path for top in ("data", "experiments", "models") for path in (ROOT / top).rglob("*.md")
+)
+"""Documents that lie beside what they are about."""
+FOREIGN = {"FetchInitCPM", "RecordVideo"}
+"""Words of other projects that look like classes of ours."""
 IMAGES_AT_MOST = 2_900_000  # [bytes] of which the page of `play` has half a million
 
 
@@ -45,19 +51,54 @@ def numbers(text: str) -> list[float]:
     return [float(number) for number in re.findall(r"-?\d+\.\d+", text)]
 
 
-@pytest.mark.parametrize("path", DOCUMENTS, ids=lambda p: str(p.relative_to(ROOT)))
+def headings(text: str) -> set[str]:
+    """Return the anchors of a document's headings."""
+    heads = re.findall(r"^#+ (.+)$", text, re.M)
+    return {re.sub(r"[^\w -]", "", head).lower().replace(" ", "-") for head in heads}
+
+
+@pytest.mark.parametrize("path", [*DOCUMENTS, *BESIDE], ids=lambda p: str(p.relative_to(ROOT)))
 def test_local_links_and_pictures_exist(path):
     text = path.read_text("utf-8")
     targets = re.findall(r"\]\(([^)\s]+)\)", text) + re.findall(r'src="([^"]+)"', text)
-    headings = {
-        re.sub(r"[^\w -]", "", h).lower().replace(" ", "-")
-        for h in re.findall(r"^#+ (.+)$", text, re.M)
-    }
     for target in targets:
-        if target.startswith("#"):
-            assert target[1:] in headings, target
-        elif not re.match(r"https?://", target):
-            assert (path.parent / target).exists(), target
+        if not re.match(r"https?://", target):
+            file, _, anchor = target.partition("#")
+            other = path.parent / file if file else path
+            assert other.exists(), target
+            assert not anchor or anchor in headings(other.read_text("utf-8")), target
+
+
+@pytest.fixture(scope="module")
+def words():
+    """Words of all sources."""
+    folders = ("gcm_learn", "experiments", "tests", "docs")
+    texts = (path.read_text("utf-8") for name in folders for path in (ROOT / name).rglob("*.py"))
+    return {word for text in texts for word in re.findall(r"\w+", text)}
+
+
+@pytest.mark.parametrize("path", [*DOCUMENTS, *BESIDE], ids=lambda p: str(p.relative_to(ROOT)))
+def test_classes_that_are_named_exist(path, words):
+    if path.stem == "CHANGELOG":
+        return  # it tells of what is gone
+    text = re.sub(r"^```.*?^```", "", path.read_text("utf-8"), flags=re.M | re.S)
+    codes = re.findall(r"`([^`\n]+)`", text)
+    named = {w for code in codes for w in re.findall(r"\b[A-Z][a-z]+(?:[A-Z][a-z]+)+\w*", code)}
+    assert named - FOREIGN <= words
+
+
+def test_examples_of_reading_run(monkeypatch, tmp_path):
+    pytest.importorskip("pyarrow")
+    monkeypatch.chdir(ROOT)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    reading, torch = blocks(ROOT / "data" / "README.md", "python")
+    scope: dict = {}
+    exec(compile(reading, "data/README.md", "exec"), scope)
+    pytest.importorskip("torch")
+    *lines, last = torch.splitlines()
+    exec(compile("\n".join(lines), "data/README.md", "exec"), scope)
+    assert tuple(eval(last, scope)) == (8, 3, 80, 80)
+    assert next(iter(scope["streamed"]))["image"].shape == (8, 3, 80, 80)
 
 
 def test_every_picture_is_shown_and_they_are_light():
