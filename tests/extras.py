@@ -12,8 +12,8 @@ NEEDS = {"st-rrt-star": "ompl"}  # planner: library
 INSTALLED = [name for name in planner_names() if find_spec(NEEDS.get(name, "numpy")) is not None]
 
 
-def planner_params():
-    """All planners as parameters; those whose library is missing are skipped, and say so."""
+def planner_params(names=None):
+    """Planners, or all, as parameters; where a library is missing they are skipped, and say so."""
     return [
         pytest.param(
             name,
@@ -21,5 +21,5 @@ def planner_params():
                 name not in INSTALLED, reason=f"{name} needs {NEEDS.get(name)} (extra `peers`)"
             ),
         )
-        for name in planner_names()
+        for name in names or planner_names()
     ]

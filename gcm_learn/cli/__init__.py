@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import atexit
 import os
+import re
 import sys
 import traceback
 from collections.abc import Sequence
@@ -76,7 +77,7 @@ def _verdict(error: BaseException) -> tuple[str, int]:
     match error:
         case KeyboardInterrupt():
             return "gcm-learn: interrupted", INTERRUPTED
-        case FileFormatError():
+        case FileFormatError() if re.match(r".*?:\d+: ", str(error)):
             return str(error), 2  # it begins with file and line, as an editor expects
         case CommandFailure():
             return f"gcm-learn: {error}", error.exit_code

@@ -125,9 +125,12 @@ class Execute:
         chosen = {} if self.planner is None else {self.planner: self._who(self.planner)}
         defaults = ByKind({CHAIN: "search"}, default="layered")
         asked: list[tuple[Bodied, Who]] = []
-        anyone: Any = Who("execute", MECHANICS.takes, None, None)
-        for situation in read(self.file, anyone):
-            name = self.planner or defaults.of(kind_of(situation))
+        for situation in read(self.file):
+            kind = kind_of(situation)
+            if not MECHANICS.takes(kind):
+                text = f"{situation.name!r} has a {kind.name} arm, which has no mass; spatial arms"
+                raise CommandFailure(f"{self.file}: {text} and chains are executed")
+            name = self.planner or defaults.of(kind)
             if name not in chosen:
                 chosen[name] = self._who(name)
             who: Any = chosen[name]

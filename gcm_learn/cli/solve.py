@@ -16,6 +16,7 @@ from gcm_learn.cli.failures import CommandFailure, place_of
 from gcm_learn.cli.files import FileNames, made_folder, output, staged
 from gcm_learn.cli.progress import Progress
 from gcm_learn.cli.trajectories import Trajectories
+from gcm_learn.errors import GcmError
 
 if TYPE_CHECKING:
     from gcm_learn.planners import Plan, Planner
@@ -102,14 +103,15 @@ class Solve:
         return with_memory(self.planner, Memory.load(self.memory))
 
 
-def read(file: str, planner: Planner) -> list[AnySituation]:
+def read(file: str, planner: Planner | None = None) -> list[AnySituation]:
     """Return the situations of a file or of standard input (``-``), if `planner` takes them all."""
-    from gcm_learn.planners import taken
+    from gcm_learn.planners import accepted
     from gcm_learn.situation import read_situations
 
     if file == "-" and sys.stdin is None:
         raise CommandFailure("standard input is closed")
-    return [taken(planner, situation) for situation in read_situations(file)]
+    found = read_situations(file)
+    return [one if planner is None else accepted(planner, one) for one in found]
 
 
 def plan_one(
@@ -120,10 +122,12 @@ def plan_one(
     A planner has a status for everything it cannot solve, so an exception is a defect, and a
     made-up solution in its place would be a false statement.
     """
-    from gcm_learn.planners import plan_with
+    from gcm_learn.planners import accepted, plan_with
 
     try:
-        return plan_with(planner, situation, deadline)
+        return plan_with(planner, accepted(planner, situation), deadline)
+    except GcmError as error:
+        raise CommandFailure(f"{file}: situation {situation.name!r}: {error}") from error
     except Exception as error:
         message = f"{file}: situation {situation.name!r}: {place_of(error)}"
         raise CommandFailure(message, exit_code=1) from error

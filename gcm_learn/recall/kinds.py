@@ -175,8 +175,8 @@ def same_kind(kind: Kind, situation: AnySituation, columns: int = 0) -> None:
     own = MEMORIES.of(kind).columns(situation.arm)
     if columns not in (0, own):
         raise ArmKindError(
-            f"memory: holds catches of {columns - 2} joints, "
-            f"asked with an arm of {own - 2} ({situation.name!r})"
+            f"memory: holds catches of {columns - 2} joints, this arm has {own - 2}; "
+            "`gcm-learn remember` makes one of its own for --memory"
         )
 
 

@@ -78,7 +78,8 @@ def test_a_file_may_hold_the_body(file, tmp_path, capsys):
 
 def test_planar_arms_are_refused(scene_file, scene, capsys):
     assert main(["execute", str(scene_file(scene()))]) == 2
-    assert "'execute' does not take planar arms" in capsys.readouterr().err
+    said = capsys.readouterr().err
+    assert "has a planar arm, which has no mass; spatial arms and chains are executed" in said
 
 
 @pytest.fixture

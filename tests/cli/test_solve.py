@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from gcm_learn import families
 from gcm_learn.cli import main
 from gcm_learn.compiled import NOTICE
 from gcm_learn.errors import StopError
@@ -274,3 +275,33 @@ def test_a_catch_without_a_stop_is_refused_in_one_line(tmp_path, capsys, monkeyp
     assert json.loads(out)["status"] == "caught" and not list((tmp_path / "out").iterdir())
     assert err == "gcm-learn: 'fig4': no verified stop was found; see --no-stop\n"
     assert main([*argv, "--no-stop"]) == 0
+
+
+LIMITED = ("gcm", "marching", "straight", "straight-wait", "st-rrt-star")
+
+
+@pytest.mark.parametrize("name", planner_params(LIMITED))
+def test_a_planner_that_cannot_keep_limits_of_acceleration_refuses(name, tmp_path, capsys):
+    easy, hard = (
+        families.draw(preset, 0, 0) for preset in ("panda-easy", "panda-crowded-accelerated")
+    )
+    write_situations(tmp_path / "panda.jsonl", [easy, hard])
+    assert main(["solve", str(tmp_path / "panda.jsonl"), "--planner", name]) == 2
+    out, err = capsys.readouterr()
+    assert out == "" and err.count("\n") == 1
+    assert f"planner '{name}': accelerations are limited" in err and "search, recall" in err
+
+
+@pytest.mark.parametrize("name", ["recall", "hybrid"])
+def test_a_memory_of_another_arm_refuses_and_names_the_way_out(name, tmp_path, capsys):
+    six = families.family_from_dict({"family": "throw-chain", "arm": {"model": "ur5"}})
+    write_situations(tmp_path / "ur5.jsonl", [families.draw(six, 0, 0)])
+    assert main(["solve", str(tmp_path / "ur5.jsonl"), "--planner", name]) == 2
+    out, err = capsys.readouterr()
+    assert out == "" and err.startswith("gcm-learn: ") and ".py" not in err
+    assert "holds catches of 7 joints, this arm has 6; `gcm-learn remember` makes" in err
+
+
+def test_a_file_that_is_missing_is_told_like_any_other_mistake(capsys):
+    assert main(["solve", "nofile.json"]) == 2
+    assert capsys.readouterr().err.startswith("gcm-learn: nofile.json: cannot be read")

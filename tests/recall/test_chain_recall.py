@@ -111,7 +111,7 @@ def test_memories_stay_with_arms_of_as_many_joints(tmp_path):
         "gcm-learn/memory@3"
     )
     other = family_from_dict({"family": "throw-chain", "arm": {"model": "ur5"}})
-    with pytest.raises(ArmKindError, match="memory: holds catches of 7 joints, asked with an arm"):
+    with pytest.raises(ArmKindError, match="holds catches of 7 joints, this arm has 6; `"):
         RecallPlanner(loaded).plan(other.draw(seeding.rng(3, 0), "other"))
     with pytest.raises(RecallError, match="planner 'search': takes no memory"):
         with_memory("search", loaded)
