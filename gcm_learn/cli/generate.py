@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import sys
 from dataclasses import dataclass
+from datetime import timedelta
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -14,9 +15,10 @@ from gcm_learn.cli.failures import CommandFailure, dataset_package, why
 from gcm_learn.cli.progress import AllCores, Cluster, Progress, check_workers
 
 if TYPE_CHECKING:
-    from gcm_learn.dataset import Manifest
+    from gcm_learn.dataset import Estimate, Manifest
 
 
+WORTH_AN_ESTIMATE = 200  # missing records from which on it begins with an estimate
 FEW_KEPT = 0.3
 """Share of drawn situations that are kept, below which a hint is due."""
 
@@ -25,11 +27,13 @@ FEW_KEPT = 0.3
 class Generate:
     """Make the shards of a dataset that are not there yet.
 
-    Stopped by Ctrl-C or otherwise, it goes on from there when it is called again.
+    Stopped by Ctrl-C or otherwise, it goes on from there when it is called again; the last seconds
+    are lost. It begins with an estimate of its time and of the dataset's size.
     """
 
     spec: Annotated[Positional[Path], arg(metavar="SPEC")]
-    """a .toml or .json file; data/README.md explains it"""
+    """a .toml or .json file; `gcm-learn example train.toml` copies one, and `gcm-learn example
+    README.md --out fields.md` what explains its fields"""
 
     out: Annotated[str, arg(metavar="DIR")]
     """folder for the dataset, or a URL that fsspec understands, such as s3://BUCKET/FOLDER"""
@@ -46,6 +50,9 @@ class Generate:
     shards: Annotated[str | None, arg(metavar="I/N", help_behavior_hint="(default: all)")] = None
     """make only part I of N, counted from 0, for job arrays"""
 
+    dry_run: bool = False
+    """only estimate the time and the size, and make nothing"""
+
     def run(self) -> int:
         """Make what is missing and say what there is."""
         part = _part(self.shards)
@@ -53,6 +60,13 @@ class Generate:
         dataset = dataset_package()
         spec = dataset.read_spec(self.spec)
         total = sum(len(spec.indices(k)) for k in range(part[0], spec.shards, part[1]))
+        least = 1 if self.dry_run else WORTH_AN_ESTIMATE
+        told = dataset.estimate(spec, self.out, self.workers, part=part, least=least)
+        if self.dry_run:
+            print(f"{self.out}: nothing to make" if told is None else _foreseen(self.out, told))
+            return 0
+        if told is not None:
+            print(f"gcm-learn: {_foreseen(self.out, told)}", file=sys.stderr)
         try:
             with Progress(total, "records") as progress:
                 manifest = dataset.generate(
@@ -84,6 +98,15 @@ class Generate:
             f"{report.remade} items made again, {report.faults} faults"
         )
         return 1 if report.faults else 0
+
+
+def _foreseen(out: str, told: Estimate) -> str:
+    """Return an estimate in one line."""
+    time = timedelta(seconds=max(round(told.seconds), 1))
+    return (
+        f"{out}: {told.records} records to make, about {time} h:m:s and {told.bytes / 1e6:.3g} MB "
+        f"(from {told.asked} of them)"
+    )
 
 
 def _part(text: str | None) -> tuple[int, int]:

@@ -16,7 +16,7 @@ except ImportError as _error:  # pragma: no cover - depends on what is installed
 from gcm_learn.dataset.cases import planner_of
 from gcm_learn.dataset.feeding import WINDOW, Example, MapCache
 from gcm_learn.dataset.folder import Folder
-from gcm_learn.dataset.generation import generate
+from gcm_learn.dataset.generation import Estimate, estimate, generate
 from gcm_learn.dataset.item import make_item, warm_up
 from gcm_learn.dataset.kinds import kind_of_version
 from gcm_learn.dataset.manifest import Manifest, survey
@@ -38,6 +38,7 @@ from gcm_learn.dataset.verifying import verify_dataset
 __all__ = [
     "Dataset",
     "DatasetSpec",
+    "Estimate",
     "Example",
     "FamilyShare",
     "Folder",
@@ -47,6 +48,7 @@ __all__ = [
     "Record",
     "Split",
     "WINDOW",
+    "estimate",
     "generate",
     "kind_of_version",
     "make_item",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import posixpath
 from pathlib import Path
@@ -122,7 +123,12 @@ class Folder:
         """Remove what writers that were killed have left behind."""
         for left in self.names(name):
             if is_unfinished(left):
-                self._files.rm_file(self.path(f"{name}/{left}"))
+                self.remove(f"{name}/{left}")
+
+    def remove(self, name: str) -> None:
+        """Remove a file, if it is there."""
+        with contextlib.suppress(FileNotFoundError):
+            self._files.rm_file(self.path(name))
 
     def sha256(self, name: str) -> str:
         """Hash of a file's content."""

@@ -6,7 +6,7 @@ import os
 import time
 from collections.abc import Callable
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 from gcm_learn.dataset.folder import Folder
 from gcm_learn.dataset.item import make_item, no_item, warmed
@@ -17,13 +17,16 @@ from gcm_learn.dataset.manifest import (
     read_manifest,
     write_manifest,
 )
+from gcm_learn.dataset.record import rows_of
 from gcm_learn.dataset.separation import distance_of, twins_of
-from gcm_learn.dataset.shards import ShardInfo, make_shard, write_shard
+from gcm_learn.dataset.shards import ShardInfo, file_of, make_shard, write_shard
 from gcm_learn.dataset.spec import DatasetSpec
 from gcm_learn.errors import DatasetError
 from gcm_learn.processes import ClusterCrew, Crew, Here, LocalCrew, cores
 
 BETWEEN_MANIFESTS = 60.0  # [s]
+MOST_SAMPLED = 200  # records of an estimate
+SAMPLED = 4.0  # [s] for them
 DIED = "the process that made it died"
 
 
@@ -88,6 +91,59 @@ def generate(
                 write_manifest(folder, manifest_of(folder, spec, infos, [*runs, run], fresh))
                 fresh.clear()
     return _finish(folder, spec, infos, [*runs, run] if run["records"] else runs, fresh)
+
+
+class Estimate(NamedTuple):
+    """Work and room that a dataset still takes."""
+
+    records: int
+    """Records that are missing."""
+    seconds: float
+    """With all workers busy [s]."""
+    bytes: float
+    asked: int
+    """Records that were made for it."""
+
+
+def estimate(
+    spec: DatasetSpec,
+    out: str | os.PathLike[str],
+    workers: int | None = None,
+    *,
+    part: tuple[int, int] = (0, 1),
+    least: int = 1,
+) -> Estimate | None:
+    """Make some missing records for `SAMPLED` seconds, keep none, and scale time and size up.
+
+    Returns
+    -------
+    Estimate or None
+        None where fewer than `least` records are missing.
+    """
+    folder = Folder(out)
+    mine = range(part[0], spec.shards, part[1])
+    there = present(folder, spec, mine)
+    missing = [k for shard in mine if shard not in there for k in spec.indices(shard)]
+    if len(missing) < least:
+        return None
+    spread = missing[:: max(len(missing) // MOST_SAMPLED, 1)]
+    with LocalCrew(1) as crew:
+        (made,) = crew.map(partial(warmed, spec, partial(_sampled, spec)), [spread])
+    count, seconds, size = made
+    scale, hands = len(missing) / count, min(workers or cores(), cores(), len(mine) - len(there))
+    return Estimate(len(missing), scale * seconds / hands, scale * size, count)
+
+
+def _sampled(spec: DatasetSpec, indices: list[int]) -> tuple[int, float, int]:
+    """Return how many items were made within `SAMPLED`, their time [s] and size [bytes]."""
+    began, records = time.monotonic(), []
+    for k in indices:
+        records.append(make_item(spec, k))
+        if time.monotonic() - began > SAMPLED:
+            break
+    spent = time.monotonic() - began
+    info = ShardInfo(0, len(records), spec.digest, "")
+    return len(records), spent, len(file_of(spec, rows_of(spec, records), info))
 
 
 def crew_for(folder: Folder, workers: int) -> Crew:

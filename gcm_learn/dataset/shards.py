@@ -5,6 +5,7 @@ from __future__ import annotations
 import gc
 import io
 import json
+import time
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -28,9 +29,11 @@ from gcm_learn.dataset.record import (
 )
 from gcm_learn.dataset.spec import DatasetSpec, spec_to_json
 from gcm_learn.errors import DatasetError
+from gcm_learn.storage import UNFINISHED
 
 KEY = b"gcm-learn"
 ROW_GROUP = 100  # records that are read together
+BETWEEN_PARTS = 5.0  # [s] after which finished items of a shard are kept
 MOST_ERRORS = 20  # that a summary quotes
 _WORDS = ("family", "stratum", "split", "structure", "oracle_stratum", "contact_body")
 _MADE_BY = (
@@ -102,25 +105,74 @@ def uncollected() -> Iterator[None]:
 
 
 def make_shard(spec: DatasetSpec, shard: int, url: str) -> ShardInfo:
-    """Make a shard and write it."""
+    """Make a shard and write it.
+
+    Finished items are kept every few seconds, so that one that was stopped goes on from there.
+    """
+    folder, told = Folder(url), time.monotonic()
     # Items are trees: nothing of them is left to a collector that would visit all of them again
     # and again.
     with uncollected():
-        records = [make_item(spec, k) for k in spec.indices(shard)]
-    return write_shard(spec, shard, records, url)
+        records = _kept(spec, shard, folder)
+        table = rows_of(spec, records)
+        for k in spec.indices(shard)[len(records) :]:
+            records.append(make_item(spec, k))
+            if time.monotonic() - told > BETWEEN_PARTS:
+                table = _grown(spec, table, records)
+                info = ShardInfo(shard, len(records), spec.digest, code_version())
+                folder.write(_part_name(shard), file_of(spec, table, info))
+                told = time.monotonic()
+        table = _grown(spec, table, records)
+        return write_shard(spec, shard, records, url, table)
 
 
-def write_shard(spec: DatasetSpec, shard: int, records: Sequence[Record], url: str) -> ShardInfo:
-    """Write the items of a shard to its file."""
-    info = _summary(spec, shard, records)
+def _part_name(shard: int) -> str:
+    """Name of the file with a shard's first items while it is being made."""
+    return f"{SHARDS}/.shard-{shard:06d}{UNFINISHED}"
+
+
+def _kept(spec: DatasetSpec, shard: int, folder: Folder) -> list[Record]:
+    """Return the first items of a shard that was stopped; none if other code made them."""
+    name = _part_name(shard)
+    if not folder.exists(name):
+        return []
+    try:
+        info, table = info_of(folder, name), read_columns(folder, name)
+    except (DatasetError, OSError, pa.ArrowException):
+        return []
+    ours = (info.spec, info.code) == (spec.digest, code_version())
+    known = ours and info.rows <= len(spec.indices(shard))
+    return [Record(spec, {}, row) for row in table.to_pylist()] if known else []
+
+
+def _grown(spec: DatasetSpec, table: pa.Table, records: Sequence[Record]) -> pa.Table:
+    """Return a table of the first records with those that it lacks."""
+    return pa.concat_tables([table, rows_of(spec, records[len(table) :])]).combine_chunks()
+
+
+def write_shard(
+    spec: DatasetSpec,
+    shard: int,
+    records: Sequence[Record],
+    url: str,
+    table: pa.Table | None = None,
+) -> ShardInfo:
+    """Write the items of a shard to its file; `table` holds the same, if it is known."""
+    info, folder = _summary(spec, shard, records), Folder(url)
+    folder.write(shard_name(shard), file_of(spec, table or rows_of(spec, records), info))
+    folder.remove(_part_name(shard))
+    return info
+
+
+def file_of(spec: DatasetSpec, table: pa.Table, info: ShardInfo) -> memoryview:
+    """Return the content of a shard's file."""
     content = spec_to_json(spec)
     del content["count"]  # a larger dataset has the same shards
     header = {"format": version_of(spec), "info": asdict(info), "spec": content}
     metadata = {KEY: json.dumps(header, sort_keys=True).encode()}
-    table = rows_of(spec, records).replace_schema_metadata(metadata)
     sink = io.BytesIO()
     pq.write_table(
-        table,
+        table.replace_schema_metadata(metadata),
         sink,
         compression="zstd",
         row_group_size=ROW_GROUP,
@@ -128,8 +180,7 @@ def write_shard(spec: DatasetSpec, shard: int, records: Sequence[Record], url: s
         column_encoding=_encodings(spec),
         write_statistics=list(LABELS),
     )
-    Folder(url).write(shard_name(shard), sink.getbuffer())
-    return info
+    return sink.getbuffer()
 
 
 def _plan_words(spec: DatasetSpec) -> list[str]:

@@ -16,7 +16,7 @@ import pytest
 
 from gcm_learn import dataset
 from gcm_learn.cli import main
-from gcm_learn.dataset import generate
+from gcm_learn.dataset import generate, shards
 from gcm_learn.dataset.folder import Folder
 from gcm_learn.dataset.generation import make_alone
 from gcm_learn.dataset.item import make_item
@@ -81,6 +81,63 @@ def test_a_shard_that_cannot_be_read_is_made_again(small, tmp_path, here):
     path.write_bytes(path.read_bytes()[:-100])
     generate(small, tmp_path)
     assert here.made == [0, 1, 2, 0] and hashes(tmp_path) == before
+
+
+@pytest.mark.parametrize("spec", [SMALL, replace(SPACE, count=12)], ids=["plane", "space"])
+def test_a_shard_that_was_stopped_goes_on_after_its_last_items(spec, tmp_path, monkeypatch):
+    spec = replace(spec, shard_size=12, count=12)
+    made, stops = [], [7, 9]
+
+    def item(spec, k):
+        if k in stops:
+            stops.remove(k)
+            raise KeyboardInterrupt
+        made.append(k)
+        return make_item(spec, k)
+
+    for name in ("whole", "parts"):
+        Folder(tmp_path / name).make()
+    make_shard(spec, 0, str(tmp_path / "whole"))
+    monkeypatch.setattr(shards, "make_item", item)
+    monkeypatch.setattr(shards, "BETWEEN_PARTS", -1.0)
+    for _ in range(2):
+        with pytest.raises(KeyboardInterrupt):
+            make_shard(spec, 0, str(tmp_path / "parts"))
+    make_shard(spec, 0, str(tmp_path / "parts"))
+    assert made == list(range(12))
+    assert os.listdir(tmp_path / "parts" / "shards") == ["shard-000000.parquet"]
+    assert hashes(tmp_path / "parts") == hashes(tmp_path / "whole")
+
+
+def test_items_of_other_code_are_made_again(small, tmp_path, monkeypatch):
+    Folder(tmp_path).make()
+    part = tmp_path / "shards" / ".shard-000000.tmp"
+    monkeypatch.setattr(shards, "BETWEEN_PARTS", -1.0)
+    monkeypatch.setattr(shards, "write_shard", lambda *given: None)
+    for code in ("older", "newer"):
+        monkeypatch.setattr(shards, "code_version", lambda code=code: code)
+        assert shards._kept(small, 0, Folder(tmp_path)) == []
+        make_shard(small, 0, str(tmp_path))
+        assert len(shards._kept(small, 0, Folder(tmp_path))) == len(small.indices(0))
+    part.write_bytes(part.read_bytes()[:-50])
+    assert shards._kept(small, 0, Folder(tmp_path)) == []
+
+
+def test_time_and_size_are_told_beforehand_and_nothing_is_made(
+    small, tmp_path, capsys, small_folder
+):
+    told = dataset.estimate(small, tmp_path / "new")
+    assert (told.records, told.asked) == (50, 50) and 0.0 < told.seconds < 60.0
+    size = dataset.open(small_folder).manifest["bytes"]
+    assert 0.5 * size < told.bytes < 1.5 * size
+    assert dataset.estimate(small, tmp_path / "new", least=51) is None
+    assert dataset.estimate(small, small_folder) is None
+    spec = tmp_path / "spec.json"
+    spec.write_text(json.dumps(spec_to_json(replace(small, count=1000))))
+    command = ["generate", str(spec), "--out", str(tmp_path / "new"), "--dry-run"]
+    assert main([*command, "--shards", "0/2"]) == 0
+    assert "new: 500 records to make, about 0:" in capsys.readouterr().out
+    assert not (tmp_path / "new").exists()
 
 
 def test_a_larger_count_goes_on_and_remakes_the_short_shard(small, tmp_path, here):
