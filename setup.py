@@ -1,4 +1,4 @@
-"""Build a wheel that carries the trained models and the smallest suite beside the code.
+"""Build a wheel that carries the trained models, suites and examples beside the code.
 
 They stay where they are in the repository, and are copied when the wheel is built. Everything else
 about the package is in pyproject.toml.
@@ -21,8 +21,15 @@ SHIPPED = (
     "models/bodies",
     "data/suites/demo.jsonl",
     "data/benchmark",
+    "data/sample",
+    "data/specs",
+    "data/README.md",
+    "docs/notebooks",
 )
-NEEDED = {".gz", ".json", ".jsonl", ".md", ".npy", ".npz", ".safetensors"}
+CONFIGURATIONS = "experiments/04_policies"
+NEEDED = {
+    *(".gz", ".json", ".jsonl", ".md", ".npy", ".npz", ".parquet", ".py", ".safetensors", ".toml")
+}
 """Suffixes of files that are shipped."""
 TRAINING = {"state.json", "normalisation.npz", "buffer.npz"}
 """Names of files with which training goes on; they are not shipped."""
@@ -36,6 +43,7 @@ def shipped() -> list[Path]:
         place = ROOT / name
         files = [place] if place.is_file() else place.rglob("*")
         found += [path.relative_to(ROOT) for path in files if path.suffix in NEEDED]
+    found += [path.relative_to(ROOT) for path in (ROOT / CONFIGURATIONS).glob("*.yml")]
     return sorted(path for path in found if path.name not in TRAINING)
 
 

@@ -26,9 +26,14 @@ def own(kind: Kind) -> Path:
     return Path(given) if given else user_data(kind)
 
 
+def source() -> Path:
+    """Return the folder of all that is shipped: the repository, or its part in a wheel."""
+    return _checkout() or PACKAGE / IN_WHEEL
+
+
 def shipped(kind: Kind) -> Path:
     """Return the package's own folder for things of a kind."""
-    return (_checkout() or PACKAGE / IN_WHEEL) / kind
+    return source() / kind
 
 
 def folders(kind: Kind) -> list[Path]:

@@ -11,11 +11,15 @@ import pytest
 
 from gcm_learn import artifacts, compiled
 from gcm_learn.benchmark import SUITES
+from gcm_learn.cli.example import PLACES
 from gcm_learn.evaluation.suites import FROZEN
 
 ROOT = Path(__file__).parents[1]
-LARGEST = 25e6  # bytes
-SOURCES = ("pyproject.toml", "setup.py", "MANIFEST.in", "README.md", "LICENSE", "models", "data")
+LARGEST = 27e6  # bytes
+SOURCES = (
+    *("pyproject.toml", "setup.py", "MANIFEST.in", "README.md", "LICENSE", "models", "data"),
+    *("docs/notebooks", "experiments/04_policies"),
+)
 ACTORS = ("clone", "ppo", "ppo-clone", "sac")
 
 
@@ -29,7 +33,7 @@ def wheel(tmp_path_factory):
     for name in SOURCES:
         if (ROOT / name).is_dir():
             big = shutil.ignore_patterns("train", "cache", "tensorboard", "*.zip", "buffer.npz")
-            shutil.copytree(ROOT / name, copy / name, ignore=big)
+            shutil.copytree(ROOT / name, copy / name, ignore=big, dirs_exist_ok=True)
         else:
             shutil.copy(ROOT / name, copy / name)
     for name in ("model.zip", "normalisation.npz"):
@@ -59,10 +63,16 @@ def test_it_is_small_and_has_what_is_asked_for_by_name(wheel):
     assert wanted | {Path("data/suites/demo.jsonl")} <= carried
     assert all((ROOT / path).is_file() for path in carried)
     assert "gcm_learn/play/pages/index.html" in names
-    assert {path.suffix for path in carried}.isdisjoint({".zip", ".parquet"})
+    assert ".zip" not in {path.suffix for path in carried}
+    examples = {path for pattern in PLACES.values() for path in ROOT.glob(pattern)}
+    files = {inner for path in examples for inner in (path.rglob("*") if path.is_dir() else [path])}
+    assert {path.relative_to(ROOT) for path in files if path.is_file()} <= carried
     assert "normalisation.npz" not in {path.name for path in carried}
     code = {path.relative_to(ROOT).as_posix() for path in (ROOT / "gcm_learn").rglob("*.py")}
-    assert code == {name for name in names if name.endswith(".py")}
+    notebooks = {path.as_posix() for path in carried if path.suffix == ".py"}
+    assert code == {name for name in names if name.endswith(".py")} - {
+        f"gcm_learn/_shipped/{name}" for name in notebooks
+    }
 
 
 def test_it_is_carried_unchanged(installed):

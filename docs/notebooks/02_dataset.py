@@ -20,9 +20,8 @@
 # %%
 # %matplotlib inline
 import os
-from pathlib import Path
 
-from gcm_learn import dataset
+from gcm_learn import artifacts, dataset
 from gcm_learn.dataset import DatasetSpec, FamilyShare, make_item
 from gcm_learn.plots import plot_map
 
@@ -37,13 +36,12 @@ again = make_item(spec, 2)
 assert again.situation == found.situation or k != 2
 
 # %% [markdown]
-# The sample that comes with the repository is a dataset like any other. Labels are read without touching
+# The sample that comes with the package is a dataset like any other. Labels are read without touching
 # anything else. L: a straight line works; W: a way round is needed; Q: the hand has to wait; U: none of the
 # planners catches.
 
 # %%
-root = next(p for p in [Path.cwd(), *Path.cwd().parents] if (p / "data" / "sample").exists())
-records = dataset.open(root / "data" / "sample")
+records = dataset.open(artifacts.shipped("data") / "sample")
 records.to_pandas()[["family", "stratum", "obstacles", "top_speed"]].head(10)
 
 # %%

@@ -18,15 +18,13 @@
 
 # %%
 import os
-from pathlib import Path
 
-from gcm_learn import dataset, families, solve
+from gcm_learn import artifacts, dataset, families, solve
 from gcm_learn.recall import RecallPlanner, SplinesPlanner
 from gcm_learn.recall import remember
 
 FAST = bool(os.environ.get("GCM_LEARN_FAST"))
-root = next(p for p in [Path.cwd(), *Path.cwd().parents] if (p / "data" / "sample").exists())
-records = dataset.open(root / "data" / "sample")
+records = dataset.open(artifacts.shipped("data") / "sample")
 memory = remember(records.where(split="train"), "raw", most=80 if FAST else None)
 print(len(memory), "catches of", len(records), "records are remembered")
 

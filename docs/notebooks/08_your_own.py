@@ -22,39 +22,63 @@ import numpy as np
 from gcm_learn import Movement, Plan, families, solve
 
 
-class Patient:
-    """Wait for a while, then go straight to where the target will be."""
+def place(target, t):
+    """Where a target on a parabola will be after t seconds."""
+    law = target.motion
+    return (
+        np.array(law.position) + t * np.array(law.velocity) + t**2 / 2 * np.array(law.acceleration)
+    )
 
-    def __init__(self, wait, arrive):
-        self.wait, self.arrive = wait, arrive
-        self.name = f"patient {wait:.1f}"
+
+class Direct:
+    """Wait for a while, then go straight to the first place where the hand is in time."""
+
+    def __init__(self, wait=0.0):
+        self.wait, self.name = wait, f"direct {wait:.1f}"
 
     def plan(self, situation):
         """Return a plan that is believed to catch."""
-        target = situation.targets[0]
-        goal = np.array(target.motion.position) + self.arrive * np.array(target.motion.velocity)
-        times = np.linspace(0.0, self.arrive, 60)
-        share = np.clip((times - self.wait) / (self.arrive - self.wait), 0.0, 1.0)
-        start = np.array(situation.arm.hand)
-        moves = Movement.of_hand(situation.arm, times, start + share[:, None] * (goal - start))
+        arm, target = situation.arm, situation.targets[0]
+        start = np.array(arm.hand)
+        for arrive in np.linspace(self.wait, situation.horizon, 60)[1:]:
+            goal = place(target, arrive)
+            lasts = np.linalg.norm(goal - start) / (0.9 * arm.max_hand_speed)
+            if lasts <= arrive - self.wait and np.linalg.norm(goal) < 0.95 * (arm.upper_arm + 1.0):
+                break
+        else:
+            return Plan(situation.name, self.name, "unreachable", "never in time", 0.0)
+        times = np.linspace(0.0, arrive, 60)
+        share = np.clip((times - self.wait) / (arrive - self.wait), 0.0, 1.0)
+        moves = Movement.of_hand(arm, times, start + share[:, None] * (goal - start))
+        said = f"caught {target.name!r} at {arrive:.2f} s"
         return Plan(
-            situation.name, self.name, "caught", "", 0.0, self.arrive, target.name, trajectory=moves
+            situation.name, self.name, "caught", said, 0.0, arrive, target.name, trajectory=moves
         )
 
 
-situation = families.draw("gate", seed=0, index=7)
-for planner in (Patient(0.0, 0.9), Patient(0.4, 0.9)):
-    print(planner.name, "->", solve(situation, planner).message)
+easy = families.draw("static-clutter", seed=0, index=4)
+print(solve(easy, Direct()).message)
+
+# %% [markdown]
+# This catch was verified: the planner looks at no obstacle, but none is in its way here. Behind a gate the same planner
+# promises too much, and the answer names what is wrong. A wait until the gate is open helps.
+
+# %%
+gate = families.draw("gate", seed=0, index=5)
+for planner in (Direct(), Direct(wait=0.4)):
+    plan = solve(gate, planner)
+    print(f"{planner.name}: {plan.status}, {plan.message}")
 
 # %% [markdown]
 # **What to look at.** Status `broken` is a promise that verification refuted: too fast, through an obstacle, off the
-# target. On the same situations it stands beside other planners, with intervals and paired tests.
+# target. On the same situations it stands beside other planners, with intervals and paired tests. `error` counts the
+# situations in which the planner raised an exception: `place` knows parabolas only.
 
 # %%
 from gcm_learn.evaluation import compare, draw_suite
 
 suite = draw_suite("demo", 8)
-results = compare(["straight", Patient(0.4, 0.9), "search"], suite, charge=0, workers=1)
+results = compare(["straight", Direct(), "search"], suite, charge=0, workers=1)
 names, outcomes = results["entrant"], results["outcome"]
 for name in dict.fromkeys(names.tolist()):
     rows = outcomes[names == name]
@@ -72,5 +96,5 @@ plan = solve(entry.situation)
 plot_map(build_map(entry.situation), path=plan.trajectory.hand).figure
 
 # %% [markdown]
-# **Try.** Let `Patient` try several waits and arrivals, and return the first plan for which
+# **Try.** Let `Direct` try several waits and arrivals, and return the first plan for which
 # `solve(situation, self)` would not say `broken`. How close to `straight-wait` does it come, and to `search`?

@@ -7,6 +7,7 @@ import io
 import itertools
 import re
 from collections.abc import Callable, Sequence
+from difflib import SequenceMatcher
 from typing import Protocol, cast
 
 import tyro
@@ -20,6 +21,7 @@ from gcm_learn.cli.cover import Cover
 from gcm_learn.cli.demo import Demo
 from gcm_learn.cli.draw import Draw
 from gcm_learn.cli.evaluate import Evaluate
+from gcm_learn.cli.example import Example
 from gcm_learn.cli.execute import Execute
 from gcm_learn.cli.failures import CommandFailure
 from gcm_learn.cli.families import Families
@@ -54,12 +56,13 @@ examples:
   gcm-learn families                                   what can be drawn at random
   gcm-learn draw gate --count 20 --out gates.jsonl     situations of a family
   gcm-learn convert motionbenchmaker problems.tar.bz2 --out mbm.jsonl   problems of others
-  gcm-learn generate spec.toml --out data/mine         a dataset; again to go on or to enlarge it
+  gcm-learn example train.toml                         files to begin with: configurations and more
+  gcm-learn generate train.toml --out data/mine        a dataset; again to go on or to enlarge it
   gcm-learn inspect data/mine                          what is in it, in numbers
   gcm-learn gallery data/mine                          and in pictures
   gcm-learn remember data/mine --out models/recall     a memory of its catches
   gcm-learn cover belt --out models/cover-belt         proven catches for a family of situations
-  gcm-learn train-policy clone.yml --out models/clone  a policy that learns in the arena
+  gcm-learn train-policy ppo.yml --out models/mine     a policy that learns in the arena
   gcm-learn train-encoder data/mine --out models/encoder   what recall asks it with
   gcm-learn evaluate --policies layered,straight,clone all on the same situations, with a report
   gcm-learn benchmark mine.py:Mine --out mine.json     your method on frozen suites
@@ -67,6 +70,9 @@ examples:
   gcm-learn warm-up                                    compile everything now, not at the first use
 
 gcm-learn COMMAND --help explains a command, gcm-learn --version says which version this is."""
+
+
+ALIKE = 0.8  # ratio of options from which on one is suggested for the other
 
 
 class Command(Protocol):
@@ -88,6 +94,7 @@ COMMANDS: dict[str, Callable[..., Command]] = {
     "families": Families,
     "draw": Draw,
     "convert": Convert,
+    "example": Example,
     "generate": Generate,
     "inspect": Inspect,
     "gallery": Gallery,
@@ -117,17 +124,20 @@ def parse(argv: Sequence[str]) -> Command | None:
         return None
     if argv and not argv[0].startswith("-") and argv[0] not in COMMANDS:
         raise UnknownNameError.among("command", argv[0], COMMANDS)
-    complaint = io.StringIO()
+    complaint, name = io.StringIO(), argv[0] if argv and argv[0] in COMMANDS else ""
+    prog = f"gcm-learn {name}".strip()
     try:
         with contextlib.redirect_stderr(complaint):
-            command = tyro.extras.subcommand_cli_from_dict(
-                COMMANDS, prog="gcm-learn", description=DESCRIPTION, args=argv
+            if name:  # tyro then knows, and suggests, the options of this command only
+                return cast(Command, tyro.cli(COMMANDS[name], prog=prog, args=argv[1:]))
+            tyro.extras.subcommand_cli_from_dict(
+                COMMANDS, prog=prog, description=DESCRIPTION, args=argv
             )
     except SystemExit as stop:
         if not stop.code:
             return None
-        raise CommandFailure(_summary(complaint.getvalue())) from None
-    return cast(Command, command)
+        raise CommandFailure(f"{_summary(complaint.getvalue())} (see {prog} --help)") from None
+    return None
 
 
 def _summary(box: str) -> str:
@@ -140,7 +150,22 @@ def _summary(box: str) -> str:
     body = " ".join(section)
     message = body if body.startswith(title) else f"{title}: {body}"
     hint = re.search(r"Perhaps you meant:\W+(--[\w-]+)", bare)
-    return message + (f"; did you mean {hint[1]}?" if hint else "") + " (see gcm-learn --help)"
+    for pattern, plain in _IN_WORDS:
+        message = re.sub(pattern, plain, message)
+    given = re.search(r"--[\w-]+", message)
+    alike = hint and given and SequenceMatcher(None, hint[1][2:], given[0][2:]).ratio() > ALIKE
+    return message + (f"; did you mean {hint[1]}?" if hint and alike else "")
+
+
+_IN_WORDS = (
+    (r"no type matching \{None\}\|\w+ could be instantiated from \[('.*')\]\.", r"no number: \1"),
+    (r"invalid literal for int\(\) with base 10: ", "no whole number: "),
+    (r"could not convert string to float: ", "no number: "),
+    (r"Value error: Error parsing (--[\w-]+)", r"\1"),
+    (r" \(applied to [^)]*\)", ""),
+    (r"Unrecognized options: Unrecognized or misplaced options:", "Unrecognized options:"),
+)
+"""Parts of tyro's complaints, and what takes their place."""
 
 
 def _has_words(line: str) -> bool:

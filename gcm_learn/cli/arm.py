@@ -83,7 +83,9 @@ class Arm:
     visual: bool = False
     """let links without collision geometry have that of their looks"""
 
-    name: Annotated[str | None, arg(help_behavior_hint="(default: the robot's)")] = None
+    name: Annotated[
+        str | None, arg(metavar="NAME", help_behavior_hint="(default: the robot's)")
+    ] = None
     """name of the arm"""
 
     source: str = ""

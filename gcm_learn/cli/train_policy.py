@@ -18,7 +18,8 @@ class TrainPolicy:
     """Train a policy in the arena, or go on where an earlier run of the same command stopped."""
 
     config: Annotated[Positional[Path], arg(metavar="CONFIG")]
-    """a .yml file of hyperparameters in the form of rl_zoo3; see experiments/04_policies"""
+    """a .yml file of hyperparameters in the form of rl_zoo3; `gcm-learn example ppo.yml` copies
+    one, `gcm-learn example` lists others"""
 
     out: Annotated[Path, arg(metavar="DIR")]
     """folder for the policy, its checkpoints, its log and its card"""

@@ -6,6 +6,7 @@ import pytest
 
 import gcm_learn
 from gcm_learn.cli import main
+from gcm_learn.cli.arguments import COMMANDS
 
 MISTAKES = [
     ([], "solve, demo, figure, animate"),
@@ -19,6 +20,11 @@ MISTAKES = [
     (["solve", "a.json", "--colour", "red"], "--colour"),
     (["solve", "a.json", "--planer", "gcm"], "did you mean --planner?"),
     (["solve", "a.json", "b.json"], "b.json"),
+    (["draw", "gate", "--n", "3"], "Unrecognized options: --n, 3 (see gcm-learn draw --help)"),
+    (["demo", "--count", "3"], "Unrecognized options: --count, 3 (see gcm-learn demo --help)"),
+    (["solve", "a.json", "--deadline", "abc"], ": --deadline: no number: 'abc' (see"),
+    (["execute", "a.json", "--noise", "abc"], ": --noise: no number: 'abc' (see"),
+    (["draw", "gate", "--count", "1e3"], ": --count: no whole number: '1e3' (see"),
     (["solve", "a.json", "--planner"], "--planner"),
     (["demo", "--seed", "one"], "--seed"),
     (["demo", "--seed", "-1"], "--seed -1"),
@@ -37,11 +43,11 @@ def test_a_mistake_is_one_line(argv, said, capsys):
     assert stderr.startswith("gcm-learn: ") and said in stderr
 
 
-@pytest.mark.parametrize("command", ["solve", "demo", "figure", "animate"])
+@pytest.mark.parametrize("command", COMMANDS)
 def test_help_names_the_options(command, capsys):
     assert main([command, "--help"]) == 0
     stdout, stderr = capsys.readouterr()
-    assert f"gcm-learn {command}" in stdout and "--out" in stdout and stderr == ""
+    assert f"gcm-learn {command}" in stdout and "{None}" not in stdout and stderr == ""
 
 
 def test_help_has_examples(capsys):
