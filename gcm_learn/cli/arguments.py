@@ -8,7 +8,7 @@ import itertools
 import re
 from collections.abc import Callable, Sequence
 from difflib import SequenceMatcher
-from typing import Protocol, cast
+from typing import Protocol
 
 import tyro
 
@@ -129,7 +129,7 @@ def parse(argv: Sequence[str]) -> Command | None:
     try:
         with contextlib.redirect_stderr(complaint):
             if name:  # tyro then knows, and suggests, the options of this command only
-                return cast(Command, tyro.cli(COMMANDS[name], prog=prog, args=argv[1:]))
+                return tyro.cli(COMMANDS[name], prog=prog, args=argv[1:])
             tyro.extras.subcommand_cli_from_dict(
                 COMMANDS, prog=prog, description=DESCRIPTION, args=argv
             )

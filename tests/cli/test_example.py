@@ -38,10 +38,8 @@ def test_the_sample_is_copied_whole(tmp_path):
 
 
 def test_what_help_names_is_an_example(capsys):
-    for command, names in (
-        ("train-policy", ["ppo.yml"]),
-        ("generate", ["train.toml", "README.md"]),
-    ):
+    helped = {"train-policy": ["ppo.yml"], "generate": ["train.toml", "README.md"]}
+    for command, names in helped.items():
         assert main([command, "--help"]) == 0
         said = " ".join(capsys.readouterr().out.replace("│", " ").split())
         assert all(f"gcm-learn example {name}" in said for name in names)
