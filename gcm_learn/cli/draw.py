@@ -30,6 +30,11 @@ class Draw:
     seed: int = 0
     """root of all that is random"""
 
+    arm: Annotated[
+        str, arg(metavar="FILE", help_behavior_hint="(default: the family's, e.g. a Panda)")
+    ] = ""
+    """arm of families for chains: a file of `gcm-learn arm`, or a name of `gcm-learn arms`"""
+
     out: Annotated[
         Path | None, arg(metavar="FILE", help_behavior_hint="(default: standard output)")
     ] = None
@@ -47,6 +52,6 @@ class Draw:
         family = self.family if named else families.read_family(self.family)
         with output(self.out) as stream:
             for k in range(self.count):
-                line = json.dumps(situation_to_json(families.draw(family, self.seed, k)))
-                stream.write(line + "\n")
+                drawn = families.draw(family, self.seed, k, arm=self.arm)
+                stream.write(json.dumps(situation_to_json(drawn)) + "\n")
         return 0

@@ -10,6 +10,7 @@ from tyro.conf import Positional, arg
 
 from gcm_learn.cli.failures import CommandFailure, dataset_package, why
 from gcm_learn.cli.progress import Cluster, Progress, check_workers
+from gcm_learn.errors import UnknownNameError
 
 if TYPE_CHECKING:
     from gcm_learn.recall import Index
@@ -62,6 +63,9 @@ class Remember:
         check_workers(self.workers)
         records = dataset_package().open(self.dataset)
         split = self.split or "train"
+        known = [*sorted({str(name) for name in records.column("split")}), "all"]
+        if split not in known:
+            raise UnknownNameError.among("--split", split, known)
         if split != "all":
             records = records.where(split=split)
         from gcm_learn.recall import remember

@@ -9,7 +9,7 @@ import dataclasses
 import json
 import tomllib
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Literal, TypeVar
@@ -75,6 +75,9 @@ class DatasetSpec:
     seed: int
     count: int
     families: tuple[FamilyShare, ...]
+    arm: str | None = None
+    """Arm of all families, which are for chains: a name, or the text of an arm file. Files that a
+    specification names are replaced by their text when it is read, so it decides the digest."""
     planners: tuple[str, ...] = ("gcm", "layered")
     """Planners whose plans a record holds; each has to take the kind of arm."""
     rungs: int = 9
@@ -123,7 +126,7 @@ class DatasetSpec:
 
     def _check_arms(self) -> None:
         """Refuse arms of two kinds, and fields that are not for their kind."""
-        kinds = [family.source.kind for family in self.families]
+        kinds = [family.source.kind for family in self.drawn]
         for k, kind in enumerate(kinds):
             if kind != kinds[0]:
                 raise SpecError(
@@ -146,6 +149,18 @@ class DatasetSpec:
     def kind(self) -> Kind:
         """Kind of the arms in its situations."""
         return kind_named(self.families[0].source.kind)
+
+    @cached_property
+    def drawn(self) -> tuple[FamilyShare, ...]:
+        """The families with their arm."""
+        if self.arm is None:
+            return self.families
+        arms = [{**share.config.get("arm", {}), "model": self.arm} for share in self.families]
+        shares = zip(self.families, arms, strict=True)
+        try:
+            return tuple(replace(one, config={**one.config, "arm": arm}) for one, arm in shares)
+        except SpecError as error:
+            raise SpecError("arm", error.reason) from None
 
     @property
     def shards(self) -> int:
@@ -174,12 +189,12 @@ class DatasetSpec:
 
     def choose(self, rng: np.random.Generator) -> FamilyShare:
         """Draw a family by its share."""
-        place = rng.random() * sum(f.share for f in self.families)
-        for family in self.families:
+        place = rng.random() * sum(f.share for f in self.drawn)
+        for family in self.drawn:
             place -= family.share
             if place < 0.0:
                 return family
-        return self.families[-1]
+        return self.drawn[-1]
 
     @cached_property
     def digest(self) -> str:
@@ -211,7 +226,8 @@ def read_spec(path: str | Path) -> DatasetSpec:
     try:
         text = path.read_bytes().decode("utf-8")
         toml = path.suffix.lower() == ".toml"
-        return spec_from_json(tomllib.loads(text) if toml else json.loads(text))
+        content = tomllib.loads(text) if toml else json.loads(text)
+        return spec_from_json(_with_files(content, path.parent))
     except OSError as error:
         raise FileFormatError(f"{path}: cannot be read ({error.strerror or error})") from None
     except UnicodeDecodeError as error:
@@ -220,6 +236,22 @@ def read_spec(path: str | Path) -> DatasetSpec:
         raise FileFormatError(f"{path}: {error}") from None
     except (tomllib.TOMLDecodeError, json.JSONDecodeError) as error:
         raise FileFormatError(f"{path}: {error}") from None
+
+
+def _with_files(content: Any, folder: Path, key: str = "arm") -> Any:
+    """Put the text of arm files, which lie relative to a folder, in place of their names."""
+    if isinstance(content, list):
+        return [_with_files(item, folder) for item in content]
+    if isinstance(content, dict):
+        return {name: _with_files(item, folder, name) for name, item in content.items()}
+    if key not in ("arm", "model") or not str(content).endswith(".json"):
+        return content
+    try:
+        found = json.loads((folder / content).read_text("utf-8"))
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise SpecError(key, f"{folder / content}: cannot be read ({reason})") from None
+    return json.dumps(found, sort_keys=True)
 
 
 def spec_from_json(obj: object) -> DatasetSpec:

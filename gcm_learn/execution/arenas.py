@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 from gcm_learn.arms import Kind
 from gcm_learn.errors import ArenaError, UnknownNameError
@@ -20,7 +20,7 @@ from gcm_learn.execution.arena.settings import (
 from gcm_learn.execution.body.arms import ChainPhysicalSettings, PhysicalArms, PhysicalSettings
 from gcm_learn.execution.body.bodies import pool_with_bodies
 from gcm_learn.execution.sources import Source, found_in, named
-from gcm_learn.families import SpatialFamily
+from gcm_learn.families import Family, SpatialFamily, with_arm
 from gcm_learn.motion import start_clearance
 from gcm_learn.registration import NAMESPACE
 from gcm_learn.scene import pack
@@ -79,11 +79,10 @@ def _of_arms_with_bodies(source: Source, settings: ArenaSettings) -> Source:
 
 def _with_arm(source: Source, settings: ChainSettings) -> Source:
     """Give the arm of the settings to a family of chains that is named; others keep theirs."""
-    family: Any = named(source)
-    arm: Any = getattr(family, "arm", None)
-    if not isinstance(source, str) or not hasattr(arm, "model"):
+    family = named(source)
+    if not isinstance(source, str) or not hasattr(getattr(family, "arm", None), "model"):
         return source
-    return replace(family, arm=replace(arm, model=settings.arm))
+    return with_arm(cast(Family, family), settings.arm)
 
 
 ARENAS = {

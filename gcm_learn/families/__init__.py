@@ -24,6 +24,7 @@ from gcm_learn.families.registry import (
     item_name,
     preset_families,
     read_family,
+    with_arm,
 )
 from gcm_learn.families.space.family import SpatialFamily
 from gcm_learn.families.space.paper import SPATIAL_SCENES
@@ -54,6 +55,7 @@ __all__ = [
     "random_planar",
     "random_solid",
     "read_family",
+    "with_arm",
     "thrown_scene",
 ]
 

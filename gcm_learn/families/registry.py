@@ -81,7 +81,23 @@ def get_family(name: str) -> Family:
     return _class_of(name)()
 
 
-def draw(family: str | Family, seed: int, index: int) -> AnySituation:
+@functools.cache
+def with_arm(family: Family, model: str) -> Family:
+    """Return a family for chains with another arm, under the limits of that arm's file.
+
+    Parameters
+    ----------
+    family : Family
+    model : str
+        As `model` of the family's arm: a name, or the path of an arm file.
+    """
+    if family.kind != "chain":
+        raise FamilyError("arm", f"{family.name} is for {family.kind} arms, an arm file is a chain")
+    arm = dataclasses.replace(family.arm, model=model, accelerations=())  # type: ignore[call-arg]
+    return dataclasses.replace(family, arm=arm)
+
+
+def draw(family: str | Family, seed: int, index: int, *, arm: str = "") -> AnySituation:
     """Draw item `index` of a family under a seed: the same whatever else is drawn.
 
     Parameters
@@ -90,6 +106,8 @@ def draw(family: str | Family, seed: int, index: int) -> AnySituation:
         A registered name, for the default ranges, a preset's name, or a configuration.
     seed, index : int
         Non-negative.
+    arm : str
+        Arm of families for chains, see `with_arm`; by default the family's own.
 
     Returns
     -------
@@ -106,10 +124,12 @@ def draw(family: str | Family, seed: int, index: int) -> AnySituation:
     source = seeding.rng(seed, index)
     if isinstance(family, str) and family in PRESETS:
         members = preset_families(family)
-        member = members[index % len(members)]
-        return member.draw(source, f"{family}-{index:07d}-{member.name}")
-    config = get_family(family) if isinstance(family, str) else family
-    return config.draw(source, item_name(config, index))
+        config = members[index % len(members)]
+        name = f"{family}-{index:07d}-{config.name}"
+    else:
+        config = get_family(family) if isinstance(family, str) else family
+        name = item_name(config, index)
+    return (with_arm(config, arm) if arm else config).draw(source, name)
 
 
 @functools.cache

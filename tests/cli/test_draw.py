@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 
 import pytest
 
 from gcm_learn import families, read_situations
 from gcm_learn.cli import main
+
+ROOT = Path(__file__).parents[2]
 
 
 def test_families_are_listed_one_a_line(capsys):
@@ -44,7 +47,24 @@ def test_an_item_is_the_same_whatever_the_count(tmp_path, capsys):
     assert capsys.readouterr().out == out.read_text().splitlines(keepends=True)[0]
 
 
+@pytest.mark.parametrize("family", ["conveyor-chain", "panda-crowded-accelerated"])
+def test_families_for_chains_take_an_arm_of_ones_own(family, tmp_path, capsys):
+    model = json.loads((ROOT / "gcm_learn" / "arms" / "models" / "ur5.json").read_text())
+    arm = tmp_path / "mine.json"
+    arm.write_text(json.dumps(model | {"name": "mine"}))
+    assert main(["draw", family, "--arm", str(arm), "--count", "2"]) == 0
+    own = capsys.readouterr().out.splitlines()
+    assert main(["draw", family, "--arm", "ur5", "--count", "2"]) == 0
+    shipped = capsys.readouterr().out.splitlines()
+    drawn = [json.loads(line)["arm"]["model"] for line in own]
+    assert [one["name"] for one in drawn] == ["mine", "mine"] and len(drawn[0]["joints"]) == 6
+    assert [line.replace('"mine"', '"ur5"') for line in own] == shipped
+
+
 BAD = [
+    (["gate", "--arm", "ur5"], "arm: gate is for planar arms, an arm file is a chain"),
+    (["throw-chain", "--arm", "none.json"], "model: none.json: cannot be read"),
+    (["throw-chain", "--arm", "pandda"], "is not the name of an arm (known: human"),
     (["hoop"], "family: 'hoop' is not one of static-clutter"),
     (["gate", "--count", "0"], "--count 0: must be at least 1"),
     (["gate", "--seed", "-1"], "--seed -1: must be at least 0"),

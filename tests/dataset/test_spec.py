@@ -6,12 +6,16 @@ import json
 import pickle
 from collections import Counter
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
 from gcm_learn.dataset import Holdout, Split, read_spec, spec_from_json, spec_to_json
 from gcm_learn.dataset.splits import lot_of, split_of
 from gcm_learn.errors import FileFormatError, SpecError
+from gcm_learn.seeding import rng
+
+ROOT = Path(__file__).parents[2]
 
 TOML = """
 format = "gcm-learn/dataset-spec@1"
@@ -136,3 +140,55 @@ def test_splits_hold_out_what_they_say():
     assert abs(found["test"] - 1000) < 150 and abs(found["validation"] - 500) < 110
     both = sum(split(k) == split(k, seed=6) == "test" for k in range(5000))
     assert abs(both - 200) < 70  # another seed draws its own
+
+
+def arm_files(folder, **changes):
+    """Write an arm file and a specification beside it, which names it."""
+    folder.mkdir()
+    model = json.loads((ROOT / "gcm_learn" / "arms" / "models" / "ur5.json").read_text())
+    (folder / "mine.json").write_text(json.dumps(model | {"name": "mine"} | changes, indent=2))
+    text = TOML.split("strata")[0].replace('["gcm"]', '["search"]') + (
+        'map = "none"\narm = "mine.json"\n[[families]]\nfamily = "throw-chain"\n'
+        '[[families]]\nfamily = "gate-chain"\n'
+    )
+    (folder / "spec.toml").write_text(text)
+    return folder / "spec.toml"
+
+
+def test_an_arm_file_beside_the_specification_decides_by_its_content(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    path = arm_files(tmp_path / "a")
+    spec = read_spec(path)
+    drawn = [share.draw(rng(1), "x").arm.model for share in spec.drawn]
+    assert [(model.name, model.dof) for model in drawn] == [("mine", 6), ("mine", 6)]
+    (tmp_path / "a" / "mine.json").rename(tmp_path / "a" / "moved.json")
+    path.write_text(path.read_text().replace("mine.json", "moved.json"))
+    assert read_spec(path).digest == spec.digest
+    assert read_spec(arm_files(tmp_path / "b", name="other")).digest != spec.digest
+    alone = spec_from_json(spec_to_json(spec))
+    assert alone == spec and alone.drawn[1].draw(rng(1), "x") == spec.drawn[1].draw(rng(1), "x")
+
+
+def test_an_arm_file_of_one_family_lies_beside_the_specification_too(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    path = arm_files(tmp_path / "a")
+    own = 'family = "gate-chain"\nconfig = {arm = {model = "mine.json"}}'
+    text = path.read_text().replace('arm = "mine.json"', "").replace('family = "gate-chain"', own)
+    path.write_text(text)
+    models = [share.draw(rng(1), "x").arm.model.name for share in read_spec(path).drawn]
+    assert models == ["panda", "mine"]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("mine.json", "none.json", r"arm: .*none\.json: cannot be read \(No such file"),
+        ("mine.json", "spec.toml", "arm: .*is not the name of an arm"),
+        ("throw-chain", "gate", "arm: "),
+    ],
+)
+def test_an_arm_that_does_not_fit_is_refused(old, new, said, tmp_path):
+    path = arm_files(tmp_path / "a")
+    path.write_text(path.read_text().replace(old, new))
+    with pytest.raises(FileFormatError, match=said):
+        read_spec(path)

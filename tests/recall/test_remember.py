@@ -88,7 +88,8 @@ def test_a_cluster_makes_the_same_memory(folder, scheduler, tmp_path, monkeypatc
         (["--most", "0"], "--most 0: must be at least 1"),
         (["--seed", "-1"], "--seed -1: must not be negative"),
         (["--planner", "gmc"], "planner: 'gmc' has no plans"),
-        (["--split", "nowhere"], "no records to remember"),
+        (["--split", "tset"], "--split: 'tset' is not one of"),
+        (["--split", "nowhere"], "all"),
     ],
 )
 def test_bad_arguments_are_refused_in_one_line(folder, tmp_path, capsys, arguments, complaint):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
@@ -14,12 +15,12 @@ from gcm_learn.checks import show
 from gcm_learn.errors import FamilyError, FileFormatError, SituationError
 from gcm_learn.families.paper import EARTH
 from gcm_learn.families.ranges import Range, Ranges, number, pick, positives, span
-from gcm_learn.situation import read_arm, shipped_arm
+from gcm_learn.situation import arm_from_json, read_arm, shipped_arm
 
 
 @lru_cache(maxsize=32)
 def model_of(name: str) -> ChainModel:
-    """Return the model of an arm that ships, or of an arm file; a file is read once.
+    """Return the model of an arm that ships, of an arm file, or of its text; read once.
 
     Raises
     ------
@@ -27,6 +28,8 @@ def model_of(name: str) -> ChainModel:
         In one line that names the field, for an unknown name or a bad file.
     """
     try:
+        if name.startswith("{"):
+            return arm_from_json(json.loads(name))
         return read_arm(Path(name)) if name.endswith(".json") else shipped_arm(name)
     except (FileFormatError, SituationError) as error:
         raise FamilyError("model", str(error).removeprefix(": ")) from None
@@ -37,7 +40,7 @@ class ChainArmRanges(Ranges):
     """Ranges of a chain and of the duration of situations; a reach is `Chain.reach`."""
 
     model: str = field(default="panda")
-    """Name of an arm that ships, or the path of an arm file, which ends in ``.json``."""
+    """Name of an arm that ships, the path of an arm file, which ends in ``.json``, or its text."""
     metres: float = number(1.0, 1e-6, 1e6)
     """Length of the arm's unit [m]."""
     horizon: Range = span(1.0, 2.0, 1e-3)
