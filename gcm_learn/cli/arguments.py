@@ -162,8 +162,6 @@ _IN_WORDS = (
     (r"invalid literal for int\(\) with base 10: ", "no whole number: "),
     (r"could not convert string to float: ", "no number: "),
     (r"Value error: Error parsing (--[\w-]+)", r"\1"),
-    (r" \(applied to [^)]*\)", ""),
-    (r"Unrecognized options: Unrecognized or misplaced options:", "Unrecognized options:"),
 )
 """Parts of tyro's complaints, and what takes their place."""
 

@@ -47,8 +47,7 @@ class Example:
                 print(f"{title}:", *(path.name for path in paths))
             return 0
         known = {path.name: path for paths in found.values() for path in paths}
-        stems = {path.stem: path for path in known.values()}
-        source = known.get(self.name) or stems.get(self.name)
+        source = known.get(self.name) or {p.stem: p for p in known.values()}.get(self.name)
         if source is None:
             raise UnknownNameError.among("example", self.name, known)
         target = self.out or Path(source.name)

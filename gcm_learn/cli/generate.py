@@ -63,7 +63,7 @@ class Generate:
         least = 1 if self.dry_run else WORTH_AN_ESTIMATE
         told = dataset.estimate(spec, self.out, self.workers, part=part, least=least)
         if self.dry_run:
-            print(f"{self.out}: nothing to make" if told is None else _foreseen(self.out, told))
+            print(_foreseen(self.out, told))
             return 0
         if told is not None:
             print(f"gcm-learn: {_foreseen(self.out, told)}", file=sys.stderr)
@@ -100,13 +100,12 @@ class Generate:
         return 1 if report.faults else 0
 
 
-def _foreseen(out: str, told: Estimate) -> str:
+def _foreseen(out: str, told: Estimate | None) -> str:
     """Return an estimate in one line."""
-    time = timedelta(seconds=max(round(told.seconds), 1))
-    return (
-        f"{out}: {told.records} records to make, about {time} h:m:s and {told.bytes / 1e6:.3g} MB "
-        f"(from {told.asked} of them)"
-    )
+    if told is None:
+        return f"{out}: nothing to make"
+    time, size = timedelta(seconds=max(round(told.seconds), 1)), f"{told.bytes / 1e6:.3g} MB"
+    return f"{out}: {told.records} records to make, about {time} h:m:s and {size}, by {told.asked}"
 
 
 def _part(text: str | None) -> tuple[int, int]:

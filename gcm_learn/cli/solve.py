@@ -105,13 +105,13 @@ class Solve:
 
 def read(file: str, planner: Planner | None = None) -> list[AnySituation]:
     """Return the situations of a file or of standard input (``-``), if `planner` takes them all."""
-    from gcm_learn.planners import accepted
+    from gcm_learn.planners import taken
     from gcm_learn.situation import read_situations
 
     if file == "-" and sys.stdin is None:
         raise CommandFailure("standard input is closed")
     found = read_situations(file)
-    return [one if planner is None else accepted(planner, one) for one in found]
+    return [one if planner is None else taken(planner, one) for one in found]
 
 
 def plan_one(
@@ -122,10 +122,14 @@ def plan_one(
     A planner has a status for everything it cannot solve, so an exception is a defect, and a
     made-up solution in its place would be a false statement.
     """
-    from gcm_learn.planners import accepted, plan_with
+    from gcm_learn.motion import Failure
+    from gcm_learn.planners import plan_with
 
     try:
-        return plan_with(planner, accepted(planner, situation), deadline)
+        plan = plan_with(planner, situation, deadline)
+        if plan.failure is Failure.ACCELERATION_UNTAKEN:
+            raise CommandFailure(f"{plan.message}; search, recall and hybrid keep them")
+        return plan
     except GcmError as error:
         raise CommandFailure(f"{file}: situation {situation.name!r}: {error}") from error
     except Exception as error:
@@ -151,7 +155,8 @@ def _solve_all(
     scrolling = stream.isatty()  # the solutions themselves show how far it has come
     with Progress(len(situations), "situations", quiet=scrolling) as progress:
         if situations:  # once for nothing: planning_ms is not to count the loading of kernels
-            plan_one(planner, situations[0], file)
+            first = next(filter(_limited, situations), situations[0])  # it may be refused
+            plan_one(planner, first, file)
         for situation in situations:
             plan = plan_one(planner, situation, file, seconds)
             stream.write(_line(plan, situation, file))
@@ -159,6 +164,11 @@ def _solve_all(
             for draw in draws:
                 draw(situation, plan)
             progress.advance()
+
+
+def _limited(situation: AnySituation) -> bool:
+    """Return whether an arm's accelerations are limited, which some planners refuse."""
+    return getattr(situation.arm, "max_joint_acceleration", None) is not None
 
 
 def _line(plan: Plan, situation: AnySituation, file: str) -> str:

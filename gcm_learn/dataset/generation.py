@@ -94,15 +94,12 @@ def generate(
 
 
 class Estimate(NamedTuple):
-    """Work and room that a dataset still takes."""
+    """Missing records, the time [s] and size [bytes] that they take, and records made for it."""
 
     records: int
-    """Records that are missing."""
     seconds: float
-    """With all workers busy [s]."""
     bytes: float
     asked: int
-    """Records that were made for it."""
 
 
 def estimate(
@@ -115,10 +112,7 @@ def estimate(
 ) -> Estimate | None:
     """Make some missing records for `SAMPLED` seconds, keep none, and scale time and size up.
 
-    Returns
-    -------
-    Estimate or None
-        None where fewer than `least` records are missing.
+    Where fewer than `least` records are missing, there is no estimate.
     """
     folder = Folder(out)
     mine = range(part[0], spec.shards, part[1])
@@ -128,8 +122,9 @@ def estimate(
         return None
     spread = missing[:: max(len(missing) // MOST_SAMPLED, 1)]
     with LocalCrew(1) as crew:
-        (made,) = crew.map(partial(warmed, spec, partial(_sampled, spec)), [spread])
-    count, seconds, size = made
+        ((count, seconds, size),) = crew.map(
+            partial(warmed, spec, partial(_sampled, spec)), [spread]
+        )
     scale, hands = len(missing) / count, min(workers or cores(), cores(), len(mine) - len(there))
     return Estimate(len(missing), scale * seconds / hands, scale * size, count)
 
@@ -141,8 +136,7 @@ def _sampled(spec: DatasetSpec, indices: list[int]) -> tuple[int, float, int]:
         records.append(make_item(spec, k))
         if time.monotonic() - began > SAMPLED:
             break
-    spent = time.monotonic() - began
-    info = ShardInfo(0, len(records), spec.digest, "")
+    spent, info = time.monotonic() - began, ShardInfo(0, len(records), spec.digest, "")
     return len(records), spent, len(file_of(spec, rows_of(spec, records), info))
 
 

@@ -83,14 +83,7 @@ def get_family(name: str) -> Family:
 
 @functools.cache
 def with_arm(family: Family, model: str) -> Family:
-    """Return a family for chains with another arm, under the limits of that arm's file.
-
-    Parameters
-    ----------
-    family : Family
-    model : str
-        As `model` of the family's arm: a name, or the path of an arm file.
-    """
+    """Return a family for chains with another `model` of its arm, under that one's own limits."""
     if family.kind != "chain":
         raise FamilyError("arm", f"{family.name} is for {family.kind} arms, an arm file is a chain")
     arm = dataclasses.replace(family.arm, model=model, accelerations=())  # type: ignore[call-arg]

@@ -34,7 +34,6 @@ if TYPE_CHECKING:
         Deadline,
         Plan,
         Planner,
-        accepted,
         deadline_of,
         plan_to_json,
         taken,
@@ -78,8 +77,8 @@ __getattr__ = late_names(__name__, {
     "oracle.yardstick": ("Yardstick", "without_waits", "yardstick"),
     "outside": ("LIMIT", "broken_promise"),
     "plan": (
-        "FAULTS", "GAIN", "Anytime", "Deadline", "Plan", "Planner", "accepted", "deadline_of",
-        "plan_to_json", "taken", "takes",
+        "FAULTS", "GAIN", "Anytime", "Deadline", "Plan", "Planner", "deadline_of", "plan_to_json",
+        "taken", "takes",
     ),
     "references": (
         "absolute", "acts", "found", "in_words", "instance", "name_of", "source_of",
@@ -117,7 +116,6 @@ __all__ = [
     "Tube",
     "Yardstick",
     "absolute",
-    "accepted",
     "acts",
     "any_straight",
     "as_ours",

@@ -7,7 +7,7 @@ from functools import cache
 from typing import Any
 
 from gcm_learn.arms import ByKind, Kind
-from gcm_learn.planners.plan import Deadline, Plan, no_refusal
+from gcm_learn.planners.plan import Deadline, Plan
 
 
 class ByArm:
@@ -36,11 +36,6 @@ class ByArm:
     def takes(self, kind: Kind) -> bool:
         """Return whether there is a planner for arms of a kind."""
         return self._places.takes(kind)
-
-    def refusal(self, situation: Any) -> str:
-        """Return why the planner for its kind of arm refuses a situation, or ""."""
-        chosen = self._make(self._places.of(situation))
-        return str(getattr(chosen, "refusal", no_refusal)(situation))
 
     def plan(
         self,

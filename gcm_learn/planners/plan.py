@@ -198,33 +198,6 @@ def taken(planner: Planner, situation: AnySituation) -> AnySituation:
     raise ArmKindError(f"planner {planner.name!r} does not take {kind.plural} (situation {name})")
 
 
-def accepted(planner: Planner, situation: AnySituation) -> AnySituation:
-    """Return the situation, if the planner takes its arm and gives no reason to refuse it.
-
-    A planner may have a function `refusal` that returns this reason for a situation, or "".
-
-    Raises
-    ------
-    ArmKindError
-    """
-    reason = getattr(planner, "refusal", no_refusal)(taken(planner, situation))
-    if reason:
-        raise ArmKindError(f"planner {planner.name!r}: {reason} (situation {situation.name!r})")
-    return situation
-
-
-def no_refusal(situation: AnySituation) -> str:
-    """Return "": of planners that refuse nothing."""
-    return ""
-
-
-def refuses_acceleration(situation: AnySituation) -> str:
-    """Return the reason of a planner that cannot keep limits of acceleration, or ""."""
-    if getattr(situation.arm, "max_joint_acceleration", None) is None:
-        return ""
-    return f"{Failure.ACCELERATION_UNTAKEN.value}; search, recall and hybrid keep them"
-
-
 COLUMNS = {
     "gcm-learn/solution@1": ("time", "hand", "joints"),
     "gcm-learn/solution@2": ("time", "joints", "hand", "elbow", "rates"),

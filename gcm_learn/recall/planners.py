@@ -12,7 +12,7 @@ import numpy as np
 
 from gcm_learn import artifacts, seeding
 from gcm_learn.arms import PLANAR, Kind, kind_of
-from gcm_learn.errors import ArmKindError, RecallError
+from gcm_learn.errors import RecallError
 from gcm_learn.motion import Failure
 from gcm_learn.planners import (
     GAIN,
@@ -83,29 +83,15 @@ class RecallPlanner:
         """Return whether there is a memory for arms of a kind."""
         return MEMORIES.takes(kind) if self.other is not None else kind == self.memory.kind
 
-    def refusal(self, situation: AnySituation) -> str:
-        """Return why the memory does not serve an arm, or ""."""
-        memory = self._for(situation).memory
-        try:
-            same_kind(memory.kind, situation, memory.columns)
-        except ArmKindError as error:
-            return str(error)
-        return ""
-
-    def _for(self, situation: AnySituation) -> RecallPlanner:
-        """Return the planner for the kind of arm."""
-        kind = kind_of(situation)
-        return self if kind == self.memory.kind or self.other is None else self.other(kind)
-
     def plan(self, situation: AnySituation) -> Plan:
         """Answer a situation."""
         return self.recollect(situation).plan
 
     def recollect(self, situation: AnySituation) -> Recollection:
         """Answer a situation and say which memory the answer came from."""
-        planner, memory = self._for(situation), self.memory
-        if planner is not self:
-            return planner.recollect(situation)
+        memory = self.memory
+        if kind_of(situation) != memory.kind and self.other is not None:
+            return self.other(kind_of(situation)).recollect(situation)
         same_kind(memory.kind, situation, memory.columns)
         kind = MEMORIES.of(memory.kind)
         problem = kind.problem(situation, self.name)
@@ -237,10 +223,6 @@ class HybridPlanner:
     def takes(self, kind: Any) -> bool:
         """Return whether the recalling planner takes arms of a kind."""
         return self.recall.takes(kind)
-
-    def refusal(self, situation: AnySituation) -> str:
-        """Return why the recalling planner refuses a situation, or ""."""
-        return self.recall.refusal(situation)
 
     anytime: ClassVar[bool] = True
 

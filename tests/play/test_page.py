@@ -106,6 +106,45 @@ def test_it_works_by_keyboard(page):
     )
 
 
+def shown(page):
+    """Return the names of the bodies, and how the first one is read out."""
+    return page.text_content("#bodies"), page.locator(BALL).get_attribute("aria-label")
+
+
+def test_changes_are_undone_and_done_again(page):
+    states = [shown(page)]
+    page.focus('#workspace [data-index="1"][tabindex]')
+    page.keyboard.press("Delete")
+    changes(page, states[0][0], "#bodies")
+    states.append(shown(page))
+    drag(page, BALL, 40, 10)
+    page.wait_for_timeout(200)
+    states.append(shown(page))
+    page.select_option("#family", "gate")
+    changes(page, states[2][0], "#bodies")
+    assert len({*states, shown(page)}) == 4
+    for state in reversed(states):
+        page.keyboard.press("Control+z")
+        page.wait_for_timeout(200)
+        assert shown(page) == state
+    assert page.is_disabled("#undo")
+    page.keyboard.press("Control+Shift+z")
+    page.click("#redo")
+    page.wait_for_timeout(200)
+    assert shown(page) == states[2]
+    page.click("#add-disc")
+    assert page.is_disabled("#redo")
+
+
+def test_no_letter_of_an_earlier_situation_stays(page):
+    page.click("#explain")
+    page.wait_for_selector("#letters li.found", timeout=60_000)
+    drag(page, BALL, 30, 10)
+    page.wait_for_selector("#letters:not(:has(.found))", state="attached")
+    assert page.locator("#letters [aria-current]").count() == 0
+    assert page.text_content("#reasons") == ""
+
+
 def test_planners_are_compared_and_strata_explained(page):
     page.select_option("#planner-1", "straight")
     page.wait_for_selector(".plan.other .result.missed, .plan.other .result.caught")

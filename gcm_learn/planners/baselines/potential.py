@@ -24,7 +24,7 @@ from gcm_learn.motion.interception import first_interception
 from gcm_learn.motion.verification import HOLE_MARGIN
 from gcm_learn.planners.baselines.joint_potential import potential_plan
 from gcm_learn.planners.completion import Problem, SpatialProblem, checked, finish
-from gcm_learn.planners.plan import Plan, refuses_acceleration
+from gcm_learn.planners.plan import Plan
 from gcm_learn.scene.bodies import HAND, PART, poses_at
 from gcm_learn.scene.shapes.choice import gap_in_plane
 from gcm_learn.situation import AnySituation
@@ -116,7 +116,6 @@ class PotentialPlanner:
     """Distance d0 within which obstacles push [forearm lengths]; chosen on 300 situations."""
     gain: float = 3e-4
     """eta of the repulsive potential, for an attractive force of 1; chosen on 300 situations."""
-    refusal = staticmethod(refuses_acceleration)
 
     def takes(self, kind: Kind) -> bool:
         """Return whether there is a field for arms of a kind."""

@@ -52,7 +52,7 @@ from gcm_learn.planners.completion import (
     checked,
     finish,
 )
-from gcm_learn.planners.plan import Plan, refuses_acceleration
+from gcm_learn.planners.plan import Plan
 from gcm_learn.situation import AnySituation, Situation
 
 if TYPE_CHECKING:
@@ -92,8 +92,6 @@ class STRRTStarPlanner:
     seed: int = 0
     postures: tuple[tuple[float, ...], ...] = ()
     """Of chains: postures from which a quarter of the goals are pulled, such as known goals."""
-
-    refusal = staticmethod(refuses_acceleration)
 
     def takes(self, kind: Kind) -> bool:
         """Return whether there is a search for arms of a kind."""

@@ -18,7 +18,7 @@ from gcm_learn.motion import (
 )
 from gcm_learn.planners.completion import Problem, SpatialProblem, checked, finish, straight_plan
 from gcm_learn.planners.joints.straight import any_straight, earliest_straight
-from gcm_learn.planners.plan import Plan, any_arm, refuses_acceleration
+from gcm_learn.planners.plan import Plan, any_arm
 from gcm_learn.situation import AnySituation
 
 
@@ -32,7 +32,6 @@ class StraightPlanner:
 
     name: str = "straight"
     takes = staticmethod(any_arm)
-    refusal = staticmethod(refuses_acceleration)
 
     def plan(self, situation: AnySituation) -> Plan:
         """Answer a situation."""
@@ -62,7 +61,6 @@ class StraightWaitPlanner:
     """Shares of the spare time that are spent before leaving, in the order of trying."""
 
     takes = staticmethod(any_arm)
-    refusal = staticmethod(refuses_acceleration)
 
     def plan(self, situation: AnySituation) -> Plan:
         """Answer a situation."""

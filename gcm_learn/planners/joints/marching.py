@@ -27,7 +27,7 @@ from gcm_learn.planners.joints.ways import (
     shorten,
     write,
 )
-from gcm_learn.planners.plan import Plan, in_joints, refuses_acceleration
+from gcm_learn.planners.plan import Plan, in_joints
 from gcm_learn.scene import HAND, PART, Scene
 from gcm_learn.situation import AnySituation
 from gcm_learn.wave import MarchingParams, WaveParams, fastest
@@ -76,10 +76,6 @@ class FrontInSpace:
     """Limits of acceleration are kept."""
 
     takes = staticmethod(in_joints)
-
-    def refusal(self, situation: AnySituation) -> str:
-        """Return why a situation is refused, or ""."""
-        return "" if self.accelerates else refuses_acceleration(situation)
 
     def plan(self, situation: AnySituation) -> Plan:
         """Answer a situation."""

@@ -9,6 +9,7 @@ import { Scene } from "./scene.js";
 
 const INSTANTS = 48, CHUNK = 8; // of a film, and of a question
 const SLOWNESS = 0.45; // of a film to real time
+const MOST_PAST = 200; // situations that can be undone
 const HOLD = 1.2; // [s] at the end of a film
 const GOAL = 85; // [ms] for an answer while something is dragged
 const DEADLINES = [0.01, 0.04], LAZY = 3; // [s] of plans, and answers for each map, where answers are slow
@@ -83,12 +84,39 @@ function speed(parts, took) {
 function changed(phase) {
   moving = phase === "moving";
   if (moving) stop();
-  if (!moving) state.view = viewOf(state.situation);
+  if (!moving) { state.view = viewOf(state.situation); remember(); }
   if (!aged) strata.age();
   aged = true;
   answers.want();
   draw();
 }
+
+// Situations as texts: those before this one, those undone, and this one.
+const past = [], undone = [];
+let present = null;
+
+function remember() {
+  const text = JSON.stringify(state.situation);
+  if (text !== present) {
+    if (present !== null && past.push(present) > MOST_PAST) past.shift();
+    undone.length = 0;
+    present = text;
+  }
+  byId("undo").disabled = !past.length;
+  byId("redo").disabled = !undone.length;
+}
+
+function turn(from, to) {
+  if (!from.length || moving) return;
+  to.push(present);
+  present = from.pop();
+  state.situation = JSON.parse(present);
+  state.chosen = Math.min(state.chosen, state.situation.bodies.length - 1);
+  changed("moved");
+}
+
+byId("undo").onclick = () => turn(past, undone);
+byId("redo").onclick = () => turn(undone, past);
 
 function choose(index) {
   state.chosen = index;
@@ -199,6 +227,10 @@ addEventListener("resize", () => draw());
 
 addEventListener("keydown", (event) => {
   const inField = /^(INPUT|SELECT|BUTTON|TEXTAREA)$/.test(event.target.tagName);
+  if ((event.ctrlKey || event.metaKey) && /^[zy]$/i.test(event.key) && !event.target.matches("input[type=number]")) {
+    event.preventDefault();
+    byId(event.shiftKey || /y/i.test(event.key) ? "redo" : "undo").click();
+  }
   if (event.key === " " && !inField) { event.preventDefault(); button.click(); }
   if ((event.key === "Delete" || event.key === "Backspace") && !inField && event.target.closest("[data-index]")) byId("remove").click();
 });

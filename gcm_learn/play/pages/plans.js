@@ -69,7 +69,6 @@ export class Strata {
   }
 
   show(found) {
-    this.list.classList.remove("old");
     for (const [letter, item] of Object.entries(this.items)) {
       item.classList.toggle("found", letter === found.stratum);
       item.toggleAttribute("aria-current", letter === found.stratum);
@@ -78,8 +77,5 @@ export class Strata {
   }
 
   // The situation has changed: what was said is of an earlier one.
-  age() {
-    this.list.classList.add("old");
-    this.reasons.replaceChildren();
-  }
+  age() { this.show({ reasons: [] }); }
 }
