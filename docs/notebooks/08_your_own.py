@@ -23,7 +23,7 @@ from gcm_learn import Movement, Plan, families, solve
 
 
 def place(target, t):
-    """Where a target on a parabola will be after t seconds."""
+    """Return the place of a target on a parabola after t seconds."""
     law = target.motion
     return (
         np.array(law.position) + t * np.array(law.velocity) + t**2 / 2 * np.array(law.acceleration)

@@ -112,7 +112,7 @@ def estimate(
 ) -> Estimate | None:
     """Make some missing records for `SAMPLED` seconds, keep none, and scale time and size up.
 
-    Where fewer than `least` records are missing, there is no estimate.
+    Nothing is estimated if fewer than `least` records are missing.
     """
     folder = Folder(out)
     mine = range(part[0], spec.shards, part[1])

@@ -86,8 +86,9 @@ def with_arm(family: Family, model: str) -> Family:
     """Return a family for chains with another `model` of its arm, under that one's own limits."""
     if family.kind != "chain":
         raise FamilyError("arm", f"{family.name} is for {family.kind} arms, an arm file is a chain")
-    arm = dataclasses.replace(family.arm, model=model, accelerations=())  # type: ignore[call-arg]
-    return dataclasses.replace(family, arm=arm)
+    chain: Any = family
+    arm = dataclasses.replace(chain.arm, model=model, accelerations=())
+    return dataclasses.replace(chain, arm=arm)
 
 
 def draw(family: str | Family, seed: int, index: int, *, arm: str = "") -> AnySituation:
