@@ -20,7 +20,7 @@ from gcm_learn.storage import write_whole
 
 HERE = Path(__file__).resolve().parent
 FREE = (2, 3, 4, 5)
-TITLES = {"belt": "planar arm", "belt-space": "spatial arm", "belt-chain": "Panda"}
+TITLES = {"belt": "planar arm", "belt-space": "spatial arm", "belt-chain": "Panda"}  # of the curve
 COLOURS = dict(zip(FREE, (style.GOOD, style.FRONT, style.EXTENDED, style.EFFECTIVE), strict=True))
 
 
@@ -51,7 +51,11 @@ def drawn(found: dict[str, Any]) -> str:
     """Return how many draws were checked by whom, and how many broke a promise."""
     rows = [
         [family, judge, row["draws"], row["broken"]]
-        for judge, part in (("verify", "verified"), ("referee", "judged"))
+        for judge, part in (
+            ("verify", "verified"),
+            ("verify, in corners", "corners"),
+            ("referee", "judged"),
+        )
         for family, row in found.get(part, {}).items()
     ]
     return table(["family", "checked by", "draws", "broken"], rows)

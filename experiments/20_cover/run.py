@@ -2,6 +2,7 @@
 
 python -m experiments 20_cover grow --free 2,3 --minutes 60   covers, kept in out/, and their curves
 python -m experiments 20_cover check --draws 1000000          draws verified, three free parameters
+python -m experiments 20_cover corners                        all corners of proven cells verified
 python -m experiments 20_cover judge --draws 20000            draws judged by the referee
 python -m experiments 20_cover time --draws 20000             processor time of answers
 python -m experiments 20_cover report                         table.md, cells.png, curve.png
@@ -13,6 +14,7 @@ from __future__ import annotations
 
 import argparse
 import json
+from itertools import product
 from pathlib import Path
 from time import perf_counter, thread_time
 from typing import Any
@@ -32,7 +34,9 @@ from gcm_learn.cover import (
     parametric_family,
     with_cover,
 )
+from gcm_learn.motion import rules_of, verify
 from gcm_learn.processes import crew_of
+from gcm_learn.scene import pack
 from gcm_learn.seeding import rng
 from gcm_learn.storage import write_whole
 
@@ -97,6 +101,23 @@ def checked(family: str, count: int) -> None:
         note("verified", family, row)
 
 
+def cornered(family: str, most: int) -> None:
+    """Verify the catches of proven cells in all corners, where bounds are least; evenly chosen."""
+    cover = load_cover(folder_of(family, CHECKED))
+    held = [cell for cell in cover.leaves() if cell.held >= 0]
+    asked = [
+        (cover.catches[cell.held], np.where(corner, cell.high, cell.low))
+        for cell in held
+        for corner in product((False, True), repeat=len(cell.low))
+    ]
+    chosen, broken = asked[:: -(-len(asked) // most)], 0
+    for catch, theta in chosen:
+        scene = pack(cover.family.situation(theta))
+        movement = catch.movement(cover.family, theta)
+        broken += not verify(scene, rules_of(scene), movement, catch.body).good
+    note("corners", family, {"draws": len(chosen), "broken": broken})
+
+
 def refereed(family: str, count: int) -> None:
     """Let the referee judge answers to draws from proven cells."""
     planner, judge = with_cover(folder_of(family, CHECKED)), Referee()
@@ -134,7 +155,7 @@ def timed(family: str, count: int) -> None:
 def main() -> None:
     """Do what the words ask for."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n", 1)[0])
-    parser.add_argument("what", choices=("grow", "check", "judge", "time", "report"))
+    parser.add_argument("what", choices=("grow", "check", "corners", "judge", "time", "report"))
     parser.add_argument("--families", default=",".join(FAMILIES))
     parser.add_argument("--free", default="2,3,4,5")
     parser.add_argument("--minutes", type=float, default=60.0)
@@ -151,7 +172,9 @@ def main() -> None:
             for free in map(int, given.free.split(",")):
                 grown(family, free, given.minutes, given.workers)
         else:
-            act = {"check": checked, "judge": refereed, "time": timed}[given.what]
+            act = {"check": checked, "corners": cornered, "judge": refereed, "time": timed}[
+                given.what
+            ]
             act(family, given.draws)
 
 

@@ -27,7 +27,8 @@ class Cover:
     """
 
     family: Annotated[Positional[str], arg(metavar="FAMILY")]
-    """belt (in the plane), belt-space (a spatial arm) or belt-chain (a Panda)"""
+    """belt (in the plane), belt-space (a spatial arm) or belt-chain (a Panda); of belt-varied and
+    belt-space-varied the obstacles' places are free, too"""
 
     out: Annotated[Path, arg(metavar="DIR")]
     """folder for the cover; one that is there is enlarged"""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from dataclasses import replace
 from typing import Any
 
 from gcm_learn.arms import Arm, Chain, SpatialArm
@@ -22,7 +23,7 @@ from gcm_learn.situation import (
 )
 
 HORIZON = 1.6  # [s]
-PART, CARRIER = "part", "carrier"
+PART, CARRIER, POST = "part", "carrier", "post"
 
 
 def belt() -> ParametricFamily:
@@ -136,10 +137,24 @@ def _family(
     return ParametricFamily(name, summary, middle, parameters)
 
 
+def varied(family: ParametricFamily) -> ParametricFamily:
+    """Return a belt whose obstacles vary first: place of the carrier, place of the posts."""
+    along, _, pace, phase, speed = family.parameters
+    way, bodies = phase.moves[0][2], family.middle.bodies
+    moves = tuple((body.name, "position", way) for body in bodies if body.name.startswith(POST))
+    posts = replace(phase, name="posts", moves=moves)
+    name = f"{family.name}-varied"
+    about = f"{family.summary}, whose places vary"
+    middle = replace(family.middle, name=name)
+    return ParametricFamily(name, about, middle, (along, phase, posts, speed, pace))
+
+
 FAMILIES: dict[str, Callable[[], ParametricFamily]] = {
     "belt": belt,
     "belt-space": belt_space,
     "belt-chain": belt_chain,
+    "belt-varied": lambda: varied(belt()),
+    "belt-space-varied": lambda: varied(belt_space()),
 }
 
 

@@ -134,6 +134,16 @@ def _hand_way(movement: Movement) -> tuple[np.ndarray, np.ndarray]:
     return np.interp(places, order, time), np.stack(dense, axis=1)
 
 
+def stray(turns: np.ndarray, rho: float) -> np.ndarray:
+    """Bound how far hands (n,) stray from straight lines while joints turn evenly by (n, 2).
+
+    An eighth of the second derivative is a bound.
+    """
+    first, second = turns.T
+    bound: np.ndarray = 0.125 * (rho * first**2 + (first + second) ** 2)
+    return bound
+
+
 def _hand_fault(scene: Scene, bundle: Bundle) -> str:
     """Name the first limit that some movement of a planar arm may break."""
     limits, rho, spans = scene.limits, scene.limb.rho, np.diff(bundle.time)
@@ -142,11 +152,7 @@ def _hand_fault(scene: Scene, bundle: Bundle) -> str:
         return "hand speed"
     far = bundle.ramp * np.hypot(*bundle.most)
     turns = turn_bounds(bundle.way, far, rho) * way[:, None]
-    first, second = turns.T
-    if turns.max() > LARGEST_TURN:
-        return "reach"
-    # The second derivative along a straight move of the joints bounds how far its hand strays.
-    if 0.125 * (rho * first**2 + (first + second) ** 2).max() > STRAY:
+    if turns.max() > LARGEST_TURN or stray(turns, rho).max() > STRAY:
         return "reach"
     most = np.array([limits.shoulder, limits.elbow])
     return "joint speed" if (turns > most * spans[:, None]).any() else ""

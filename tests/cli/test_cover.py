@@ -41,7 +41,8 @@ def test_what_is_not_covered_is_said(tmp_path, capsys):
         (["belt", "--free", "0"], "free: 'belt' has 1 to 5 parameters (got 0)"),
         (
             ["bellt"],
-            "family: 'bellt' is not one of belt, belt-space, belt-chain; did you mean 'belt'?",
+            "family: 'bellt' is not one of belt, belt-space, belt-chain, belt-varied, "
+            "belt-space-varied; did you mean 'belt'?",
         ),
         (["belt", "--share", "0"], "--share 0: must be above 0 and at most 1"),
         (["belt", "--share", "1.5"], "--share 1.5: must be above 0 and at most 1"),

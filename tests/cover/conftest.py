@@ -23,8 +23,8 @@ def plane():
 
 @pytest.fixture(scope="session")
 def space():
-    """Return a cover of the belt before a spatial arm, two parameters free."""
-    return grown("belt-space", 2, share=1.0, cells=120)
+    """Return a cover of the belt before a spatial arm; places of part and carrier are free."""
+    return grown("belt-space-varied", 2, share=1.0, cells=120)
 
 
 @pytest.fixture(scope="session")

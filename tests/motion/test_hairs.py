@@ -1,0 +1,229 @@
+"""Verification by a hair: each promise of "caught" is just kept, and just broken."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from gcm_learn.arms import SIDE, Arm, SpatialArm, forward_in_space
+from gcm_learn.motion import Failure, Movement, rules_of, verify
+from gcm_learn.motion.joint_verification import hand_too_fast, piece_fault
+from gcm_learn.motion.rules import CATCH_SAFETY, SAFETY
+from gcm_learn.motion.verification import joint_turns, nearest_to_shoulder
+from gcm_learn.scene import pack
+from gcm_learn.situation import Body, Disc, PlanarQuadratic, Situation, SolidQuadratic, Sphere
+
+HAIR = 1e-9
+START, GOAL = (1.2, 0.3), (0.9, 1.0)
+ARM = Arm(START, 3.0, thickness=0.02, grasp=0.02)
+WAY = np.linspace(START, GOAL, 60)
+TIME = np.linspace(0.0, 0.8, 60)
+SPACE = SpatialArm(
+    upper_arm=(1.0, 0.0, 0.0),
+    forearm=(0.8, 0.0, 0.0),
+    joints=(0.0, 0.0, 0.0, -0.9),
+    joint_range=((-3.0, 3.0),) * 4,
+    max_joint_speed=(9.0,) * 4,
+    grasp=0.05,
+    thickness=0.05,
+)
+TURNED = np.array((0.4, 0.3, 0.2, -0.7))
+
+
+def in_plane(arm=ARM, at=GOAL, post=(5.0, 5.0), horizon=1.0):
+    still = (0.0, 0.0)
+    part = Body("target", "part", Disc(0.02), PlanarQuadratic(tuple(at), still, still))
+    other = Body("obstacle", "post", Disc(0.02), PlanarQuadratic(tuple(post), still, still))
+    return Situation("hairs", horizon, arm, (part, other))
+
+
+def failure(situation, time=TIME, way=WAY):
+    """Return what is wrong with a way of the hand, or with a movement in the joints."""
+    scene, arm = pack(situation), situation.arm
+    planar = isinstance(arm, Arm)
+    moves = (Movement.of_hand if planar else Movement)(arm, np.array(time), np.array(way))
+    verdict = verify(scene, rules_of(scene), moves, 0)
+    return None if verdict.good else verdict.reason.failure
+
+
+def hair(value, failing, made):
+    """Check that a value keeps a promise, and that one beyond it by a hair breaks it."""
+    good, bad = made(value - HAIR), made(value + HAIR)
+    assert failure(*good) is None
+    assert failure(*bad) is failing
+
+
+def test_the_grasp_of_a_planar_arm_is_kept_with_half_of_its_safety():
+    away = ARM.grasp + 0.02 - 0.5 * CATCH_SAFETY  # the target's radius is 0.02
+    for side in ((1.0, 0.0), (0.0, 1.0), (-0.6, 0.8)):
+        hair(
+            away, Failure.MISSED, lambda x, s=side: (in_plane(at=np.array(GOAL) + x * np.array(s)),)
+        )
+
+
+def test_the_grasp_in_space_is_kept_with_half_of_its_safety():
+    away = SPACE.grasp + 0.02 - 0.5 * CATCH_SAFETY * 0.8  # of the forearm's length
+    for side in np.eye(3):
+        hair(away, Failure.MISSED, lambda x, s=side: reaching(off=x * s))
+
+
+def reaching(arm=SPACE, off=0.0, time=0.8, goal=TURNED, horizon=1.0):
+    """Return a situation in space, times and joints that go straight to its target."""
+    place = tuple((forward_in_space(SPACE, goal)[1] + off).tolist())
+    target = Body("target", "part", Sphere(0.02), SolidQuadratic(place, (0.0,) * 3, (0.0,) * 3))
+    return Situation("hairs", horizon, arm, (target,)), [0.0, time], [SPACE.joints, goal]
+
+
+def test_planar_speeds_are_kept_up_to_a_hair():
+    need = np.linalg.norm(WAY[-1] - WAY[0]) / 0.8
+    for factor, wrong in ((1.0 - 2e-7, Failure.HAND_SPEED), (1.0, None)):
+        assert failure(in_plane(replace(ARM, max_hand_speed=need * factor))) is wrong
+    turns = joint_turns(WAY, 1.0, SIDE[ARM.elbow], 16) / np.diff(TIME)[:, None]
+    for joint in range(2):
+        for factor, wrong in ((1.0 - 2e-7, Failure.JOINT_SPEED), (1.0, None)):
+            speeds = np.where(np.arange(2) == joint, factor * turns.max(axis=0), 9.0)
+            assert failure(in_plane(replace(ARM, max_joint_speed=tuple(speeds)))) is wrong
+
+
+def test_the_last_piece_is_judged_as_the_others():
+    """A hand that is too fast only in the first or the last of its pieces."""
+    need = np.linalg.norm(WAY[-1] - WAY[0]) / 0.8
+    arm = replace(ARM, max_hand_speed=1.05 * need)
+    for k in (0, 58):
+        spans = np.diff(TIME)
+        spans[k] *= 0.9
+        assert failure(in_plane(arm), np.append(0.0, spans.cumsum())) is Failure.HAND_SPEED
+
+
+def test_starts_and_ends_are_exact():
+    assert failure(in_plane(), way=WAY + (0.0, 1e-12)) is Failure.WRONG_START
+    assert failure(in_plane(), way=WAY + (1e-12, 0.0)) is Failure.WRONG_START
+    assert failure(in_plane(), TIME + 1e-12) is Failure.WRONG_START
+    assert failure(in_plane(horizon=0.8)) is None
+    assert failure(in_plane(horizon=0.8 - HAIR)) is Failure.LATE
+    situation, time, joints = reaching(horizon=0.8)
+    assert failure(situation, time, joints) is None
+    assert failure(situation, [0.0, 0.8 + HAIR], joints) is Failure.LATE
+    for j in range(4):
+        assert failure(situation, time, [joints[0] + 1e-12 * np.eye(4)[j], TURNED]) is (
+            Failure.WRONG_START
+        )
+
+
+def test_a_planar_hand_stays_in_its_ring():
+    arm = Arm((1.2, 0.3), 9.0, upper_arm=1.5)
+    for radius, wrong in ((0.52, None), (0.499, Failure.OUTSIDE), (2.501, Failure.OUTSIDE)):
+        way = np.linspace(arm.hand, (0.0, radius), 400)
+        found = failure(in_plane(arm, at=(0.0, radius)), np.linspace(0.0, 0.9, 400), way)
+        assert found is wrong
+
+
+def test_the_place_nearest_to_the_shoulder_may_be_anywhere_on_a_way():
+    for k in range(20):
+        hand = np.random.default_rng(k).normal(size=(4, 2))
+        fine = np.concatenate([np.linspace(hand[i], hand[i + 1], 4001) for i in range(3)])
+        least = np.linalg.norm(fine, axis=1).min()
+        assert nearest_to_shoulder(hand) == pytest.approx(least, abs=1e-3)
+    assert nearest_to_shoulder(hand[:1]) == pytest.approx(np.linalg.norm(hand[0]))
+
+
+def test_a_plan_keeps_its_distance():
+    """Beyond the hand's last place: the thickness, the post's radius, and the safety of plans."""
+    ahead = np.array((-0.39, 0.92)) / np.linalg.norm((-0.39, 0.92))
+    for extra, wrong in ((1e-6, None), (-1e-6, Failure.COLLISION)):
+        post = GOAL + (0.02 + 0.02 + SAFETY + extra) * ahead
+        assert failure(in_plane(post=post)) is wrong
+
+
+@pytest.mark.parametrize("what", ["range below", "range above", "speed"])
+@pytest.mark.parametrize("joint", range(4))
+def test_limits_in_space_are_kept_up_to_a_hair(what, joint):
+    """By a straight move in 0.8 s, whose joint at one end is at the limit."""
+    situation, time, joints = reaching()
+    ends = np.array(joints)
+    low, high = [-3.0] * 4, [3.0] * 4
+    need = abs(ends[1] - ends[0])[joint] / 0.8
+    for inside in (True, False):
+        arm = SPACE
+        if what == "range below":
+            low[joint] = ends[:, joint].min() + (0.0 if inside else 1e-6)
+        elif what == "range above":
+            high[joint] = ends[:, joint].max() - (0.0 if inside else 1e-6)
+        elif what == "speed":
+            speeds = np.full(4, 9.0)
+            speeds[joint] = need * (1.0 if inside else 1.0 - 2e-7)
+            arm = replace(arm, max_joint_speed=tuple(speeds))
+        if what.startswith("range"):
+            if not low[joint] <= SPACE.joints[joint] <= high[joint]:
+                continue  # such a start is refused before
+            arm = replace(arm, joint_range=tuple(zip(low, high, strict=True)))
+        wrong = Failure.JOINT_SPEED if what == "speed" else Failure.JOINT_RANGE
+        assert failure(replace(situation, arm=arm), time, joints) is (None if inside else wrong)
+
+
+def curve(*rows):
+    """Return a curve (4, 4) whose first joints have coefficients of the share."""
+    out = np.zeros((4, 4))
+    out[: len(rows)] = rows
+    return out
+
+
+def fault(arm, moves, span):
+    return piece_fault(pack(reaching(arm)[0]), moves, span, np.zeros(4))
+
+
+RANGE, JOINT, FORCED, FAST = 3, 4, 5, 6
+BENT = {
+    "turns back": ((0.0, 1.0, -1.0, 0.0), (0.25, 0.0), 1.0, (2.0, 2.0)),
+    "turns back from below": ((0.0, -1.0, 1.0, 0.0), (0.0, -0.25), 1.0, (2.0, 2.0)),
+    "fastest in the middle": ((0.0, 0.0, 3.0, -2.0), (1.0, 0.0), 1.5, (6.0, 6.0)),
+    "fastest at the end": ((0.0, 0.0, 0.0, 1.0), (1.0, 0.0), 3.0, (0.0, 6.0)),
+    "twice back": ((0.0, 1.0, -3.0, 2.0), (0.09622504486, -0.09622504486), 1.0, (6.0, 6.0)),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", BENT)
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_cubic_moves_are_judged_at_their_extremes(name, sign):
+    """Ranges, rates and accelerations of the second joint, that are just kept or just not."""
+    row, (above, below), rate, bends = BENT[name]
+    high, low = (above, below) if sign > 0.0 else (-below, -above)
+    moves, span = curve((0.0,) * 4, sign * np.array(row)), 0.5
+    free = replace(SPACE, max_joint_acceleration=(99.0,) * 4, joint_range=((-3.0, 3.0),) * 4)
+    assert fault(free, moves, span) == 0
+    for share, found in ((1.0, 0), (1.0 - 1e-5, 1)):
+        fast = (9.0, share * rate / span, 9.0, 9.0)
+        assert fault(replace(free, max_joint_speed=fast), moves, span) == found * JOINT
+        most = (99.0, share * max(bends) / span**2, 99.0, 99.0)
+        assert fault(replace(free, max_joint_acceleration=most), moves, span) == found * FORCED
+        slack = 1e-5 if found else 0.0
+        for ends in ((low + slack, 3.0), (-3.0, high - slack)):
+            if ends[0] <= 0.0 <= ends[1]:
+                ranges = replace(free, joint_range=((-3.0, 3.0), ends, *((-3.0, 3.0),) * 2))
+                assert fault(ranges, moves, span) == found * RANGE
+
+
+def fastest(moves):
+    """Return the hand's largest way per share of a move, by small steps."""
+    s = np.linspace(0.0, 1.0, 2001)[:, None]
+    hands = [
+        np.array([forward_in_space(SPACE, q)[1] for q in place])
+        for place in (_along(moves, s - 1e-6), _along(moves, s + 1e-6))
+    ]
+    return np.linalg.norm(hands[1] - hands[0], axis=1).max() / 2e-6
+
+
+def _along(moves, s):
+    a, b, c, d = moves.T
+    return a + s * (b + s * (c + s * d))
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_the_fastest_hand_is_found_wherever_it_is(seed):
+    limb, rng = pack(reaching()[0]).limb, np.random.default_rng(seed)
+    moves = np.stack([TURNED, *rng.normal(size=(3, 4)) * (1.0, 3.0, 2.0, 1.0)[seed % 4]], axis=1)
+    most = fastest(moves)
+    assert not hand_too_fast(limb, moves, 1.001 * most, np.zeros(4))
+    assert hand_too_fast(limb, moves, 0.999 * most, np.zeros(4))
