@@ -67,7 +67,7 @@ print(solve(easy, Direct()).message)
 gate = families.draw("gate", seed=0, index=5)
 for planner in (Direct(), Direct(wait=0.4)):
     plan = solve(gate, planner)
-    print(f"{planner.name}: {plan.status}, {plan.message}")
+    print(f"{planner.name}: {plan.message}")
 
 # %% [markdown]
 # **What to look at.** Status `broken` is a promise that verification refuted: too fast, through an obstacle, off the

@@ -27,35 +27,33 @@ class Example:
     """List the example files that come with the package, or copy one of them."""
 
     name: Annotated[
-        Positional[str | None], arg(metavar="NAME", help_behavior_hint="(default: list all)")
-    ] = None
+        Positional[str], arg(metavar="NAME", help_behavior_hint="(default: list all)")
+    ] = ""
     """one of the list, with or without its suffix"""
 
-    out: Annotated[
-        Path | None, arg(metavar="PATH", help_behavior_hint="(default: its name, in this folder)")
-    ] = None
+    out: Annotated[Path | None, arg(metavar="PATH", help_behavior_hint="(default: its name)")] = (
+        None
+    )
     """its copy; a file or folder that is there is left alone"""
 
     def run(self) -> int:
         """List or copy."""
-        from gcm_learn import artifacts
+        from gcm_learn.artifacts import source
 
-        root = artifacts.source()
-        found = {title: sorted(root.glob(pattern)) for title, pattern in PLACES.items()}
-        if self.name is None:
+        found = {title: sorted(source().glob(place)) for title, place in PLACES.items()}
+        if not self.name:
             for title, paths in found.items():
                 print(f"{title}:", *(path.name for path in paths))
             return 0
         known = {path.name: path for paths in found.values() for path in paths}
-        source = known.get(self.name) or {p.stem: p for p in known.values()}.get(self.name)
-        if source is None:
+        chosen = known.get(self.name) or {p.stem: p for p in known.values()}.get(self.name)
+        if chosen is None:
             raise UnknownNameError.among("example", self.name, known)
-        target = self.out or Path(source.name)
+        target = self.out or Path(chosen.name)
         if target.exists():
             raise CommandFailure(f"--out {target}: is there already")
         try:
-            (shutil.copytree if source.is_dir() else shutil.copyfile)(source, target)
+            print((shutil.copytree if chosen.is_dir() else shutil.copyfile)(chosen, target))
         except OSError as error:
             raise CommandFailure(f"--out {target}: {why(error)}") from None
-        print(target)
         return 0

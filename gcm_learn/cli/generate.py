@@ -105,7 +105,8 @@ def _foreseen(out: str, told: Estimate | None) -> str:
     if told is None:
         return f"{out}: nothing to make"
     time, size = timedelta(seconds=max(round(told.seconds), 1)), f"{told.bytes / 1e6:.3g} MB"
-    return f"{out}: {told.records} records to make, about {time} h:m:s and {size}, by {told.asked}"
+    text = f"{out}: {told.records} records to make, about {time} (h:m:s) and {size}"
+    return f"{text}, estimated from {told.asked} of them"
 
 
 def _part(text: str | None) -> tuple[int, int]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,6 +17,8 @@ from gcm_learn.errors import RecallError
 from gcm_learn.recall import Memory, RecallPlanner, growth
 from gcm_learn.recall.growth import remember
 from tests.dataset.conftest import SMALL, make_here
+
+ROOT = Path(__file__).parents[2]
 
 
 @pytest.fixture(scope="module")
@@ -53,6 +56,31 @@ def test_a_part_and_another_planner(folder):
     assert len(one) == sum(record.plans["marching"].caught for record in records)
     with pytest.raises(RecallError, match="'gcm' has no plans in the dataset"):
         remember(records, planner="gcm")
+
+
+@pytest.mark.slow
+def test_a_dataset_of_an_arm_file_makes_a_memory_of_this_arm(tmp_path, capsys):
+    model = json.loads((ROOT / "gcm_learn" / "arms" / "models" / "ur5.json").read_text())
+    arm, memory, scenes = (tmp_path / name for name in ("mine.json", "memory", "scenes.jsonl"))
+    arm.write_text(json.dumps(model | {"name": "mine"}))
+    (tmp_path / "spec.toml").write_text(
+        'format = "gcm-learn/dataset-spec@1"\nname = "own"\nseed = 1\ncount = 12\nmap = "none"\n'
+        'planners = ["search"]\narm = "mine.json"\n[[families]]\nfamily = "throw-chain"\n'
+    )
+    data = str(tmp_path / "data")
+    assert main(["generate", str(tmp_path / "spec.toml"), "--out", data, "--workers", "1"]) == 0
+    arm.unlink()  # its text is part of the dataset
+    assert dataset.open(data)[0].situation.arm.model.name == "mine"
+    assert main(["remember", data, "--out", str(memory), "--split", "all"]) == 0
+    arm.write_text(json.dumps(model | {"name": "mine"}))
+    draw = ["draw", "throw-chain", "--arm", str(arm), "--count", "3", "--out", str(scenes)]
+    assert main(draw) == 0
+    capsys.readouterr()
+    for planner in ("recall", "hybrid"):
+        assert main(["solve", str(scenes), "--planner", planner, "--memory", str(memory)]) == 0
+        answers = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+        assert [one["planner"] for one in answers] == [planner] * 3
+    assert any(one["status"] == "caught" for one in answers)
 
 
 def test_on_the_command_line(folder, tmp_path, capsys):
