@@ -219,7 +219,8 @@ class ChainModel(JointTree):
 
     def named(self, link: int) -> str:
         """Return what messages call a link."""
-        return self.links[link].name or f"link {link}"
+        name = self.links[link].name or f"link {link}"
+        return name if name.isprintable() else repr(name)
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,7 @@ from gcm_learn.motion.joint_trajectory import (
     to_yaml,
 )
 from gcm_learn.motion.movement import Movement, Wait
+from gcm_learn.motion.overlaps import why_blocked
 from gcm_learn.motion.rules import Opening, Rules, opening, rules_of, start_clearance
 from gcm_learn.motion.stopping import with_stop
 from gcm_learn.motion.timing import (
@@ -59,5 +60,6 @@ __all__ = [
     "to_joint_trajectory",
     "to_yaml",
     "verify",
+    "why_blocked",
     "with_stop",
 ]

@@ -10,7 +10,7 @@ from enum import Enum
 class Failure(Enum):
     """A reason, whose value is its sentence; numbers stand in braces."""
 
-    START_BLOCKED = "the limb touches an obstacle at t = 0"
+    START_BLOCKED = "{first} and {second} overlap by {depth} at t = 0"
     OUT_OF_REACH = "no target comes within reach before the horizon"
     NO_INTERCEPTION = "the front meets no target within the horizon"
     NO_ENDING = "no target can be met from where the front made contact"
@@ -47,11 +47,16 @@ class Failure(Enum):
     @classmethod
     def of(cls, message: str) -> Failure | None:
         """The reason whose sentence a message is; None for that of a catch."""
+        if message == _BLOCKED_BEFORE:
+            return cls.START_BLOCKED
         for failure in cls:
             pieces = re.split(r"\{[^}]*\}", failure.value)
             if re.fullmatch(".*".join(map(re.escape, pieces)), message):
                 return failure
         return None
+
+
+_BLOCKED_BEFORE = "the limb touches an obstacle at t = 0"  # in records of earlier versions
 
 
 @dataclass(frozen=True)

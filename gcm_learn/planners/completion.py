@@ -29,6 +29,7 @@ from gcm_learn.motion import (
     segment_times,
     straight_path,
     verify,
+    why_blocked,
 )
 from gcm_learn.planners.joints.moves import Study, study_of
 from gcm_learn.planners.plan import GAIN, Deadline, Plan, end_of
@@ -115,7 +116,7 @@ class Task:
     def early_answer(self) -> Plan | None:
         """Return the answer that needs no planning: blocked at the start, or hopeless."""
         if self.start_clearance <= 0.0:
-            return self.answer(Failure.START_BLOCKED)
+            return self.answer(why_blocked(self.situation, self.scene))
         count = len(self.situation.targets)
         if self.situation.catch == "all" and count > 1:
             return self.answer(Failure.SEVERAL_UNTAKEN.with_numbers(count=count))

@@ -15,7 +15,7 @@ import numpy as np
 from gcm_learn.arms import PLANAR, ByKind, Kind, kind_of
 from gcm_learn.errors import UnknownNameError
 from gcm_learn.maps import CognitiveMap
-from gcm_learn.motion import Movement, rules_of, start_clearance, verify
+from gcm_learn.motion import Movement, rules_of, start_clearance, verify, why_blocked
 from gcm_learn.planners.plan import Plan, takes
 from gcm_learn.planners.references import in_words, place_in
 from gcm_learn.processes import OutOfTime, time_limit
@@ -226,18 +226,21 @@ def _values(answer: Any, situation: AnySituation) -> dict[str, Any]:
     common["map"] = told["map"] if isinstance(told["map"], CognitiveMap) else None
     if told["status"] == "caught":
         return common | _catch(told, situation)
-    why = common["message"] or UNSAID
-    return common | {"message": why, "status": _no_catch(told["status"], situation)}
+    status, why = told["status"], common["message"] or UNSAID
+    return common | _no_catch(status, why, situation)
 
 
-def _no_catch(status: Any, situation: AnySituation) -> str:
-    """Return the status of a plan without a catch."""
+def _no_catch(status: Any, why: str, situation: AnySituation) -> dict[str, Any]:
+    """Return status and message of a plan without a catch."""
     if type(status) is not str or status not in ("unreachable", "start_blocked"):
         raise ValueError(f"its plan has the status {status!r}")
-    free = start_clearance(pack(situation))
+    scene = pack(situation)
+    free = start_clearance(scene)
     if status == "start_blocked" and free > TOUCHES:
         raise _Broken("says that the start is blocked, which it is not")
-    return "start_blocked" if free <= 0.0 else status
+    if free <= 0.0:
+        status, why = "start_blocked", str(why_blocked(situation, scene))
+    return {"status": status, "message": why}
 
 
 def _catch(told: dict[str, Any], situation: AnySituation) -> dict[str, Any]:

@@ -14,7 +14,7 @@ from gcm_learn.execution.arena.kernels.joints.stepping import can_stop
 from gcm_learn.execution.arena.kernels.world import World, world_of
 from gcm_learn.execution.arena.kinds import KERNELS
 from gcm_learn.execution.arena.wanted import wanted_of
-from gcm_learn.motion import Rules, opening
+from gcm_learn.motion import Rules, opening, why_blocked
 from gcm_learn.scene import Scene, pack
 from gcm_learn.situation import AnyArmBody, AnySituation
 
@@ -81,7 +81,7 @@ class Pool:
         kernels.check(situations)
         turned, frames = zip(*map(kernels.placed, situations), strict=True)
         scenes = [pack(situation) for situation in turned]
-        rules = [_rules_of(scene, s.name) for scene, s in zip(scenes, turned, strict=True)]
+        rules = [_rules_of(scene, s) for scene, s in zip(scenes, turned, strict=True)]
         pace = [kernels.pace(scene) for scene in scenes]
         wanted = [wanted_of(situation) for situation in turned]
         bounded = [kernels.bounded(scene) for scene in scenes]
@@ -129,9 +129,9 @@ def stops(situation: AnySituation, dt: float) -> bool:
     return can_stop(scene, opening(scene).rules.speed, dt)
 
 
-def _rules_of(scene: Scene, name: str) -> Rules:
+def _rules_of(scene: Scene, situation: AnySituation) -> Rules:
     """Return the rules of a scene; refuse one in which the limb touches something at t = 0."""
     opened = opening(scene)
     if opened.clearance <= 0.0:
-        raise ArenaError(f"situation {name!r}: the limb touches an obstacle at t = 0")
+        raise ArenaError(f"situation {situation.name!r}: {why_blocked(situation, scene)}")
     return opened.rules
