@@ -45,11 +45,6 @@ class Kind:
     pack: Callable[[Any, tuple[str, ...]], Any]
     formats: tuple[str, ...]
 
-    @property
-    def solution(self) -> str:
-        """Format of a solution of a situation in the default format."""
-        return solution_format(self.formats[0])
-
 
 PLANAR = Kind(
     "planar",

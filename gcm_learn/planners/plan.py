@@ -49,7 +49,6 @@ def deadline_of(given: float | Deadline | None) -> Deadline | None:
     return Deadline(given) if isinstance(given, (int, float)) else given
 
 
-FORMAT = "gcm-learn/solution@1"
 Status = Literal["caught", "unreachable", "start_blocked", "broken", "error"]
 FAULTS = ("broken", "error")
 """Statuses of planners from outside only: a catch that fails verification, and no answer at all."""
@@ -208,7 +207,7 @@ LISTED = ("gcm-learn/solution@3",)
 """Formats that list all catches."""
 
 
-def plan_to_json(plan: Plan, situation: AnySituation | None = None) -> dict[str, Any]:
+def plan_to_json(plan: Plan, situation: AnySituation) -> dict[str, Any]:
     """Return the plan in the exchange format that answers its situation's.
 
     Fields that make sense only for a catch are null otherwise; so is the clearance of a catch in a
@@ -217,13 +216,11 @@ def plan_to_json(plan: Plan, situation: AnySituation | None = None) -> dict[str,
     Parameters
     ----------
     plan : Plan
-    situation : Situation, optional
-        Answered by the plan; without it a plan without a trajectory counts as one of the plane.
+    situation : Situation
+        Answered by the plan; several formats have arms of one kind.
     """
     clearance, moves = plan.clearance, plan.trajectory
-    version = FORMAT if moves is None else kind_of(getattr(moves, "arm", PLANAR)).solution
-    if situation is not None:
-        version = solution_format(situation.format)
+    version = solution_format(situation.format)
     out: dict[str, Any] = {"format": version, "name": plan.name, "planner": plan.planner}
     out["status"] = plan.exchanged
     if version in LISTED:

@@ -100,7 +100,7 @@ def answer(question: Values) -> Values:
     plans: list[Values] = []
     for name in names:
         plan = _plan(name, situation, deadline)
-        found = plan_to_json(plan) if isinstance(plan, Plan) else plan
+        found = plan_to_json(plan, situation) if isinstance(plan, Plan) else plan
         plans.append(_short(found))
         watch.lap(f"plan {name}")
         if shows_map and isinstance(plan, Plan) and plan.status != "start_blocked":

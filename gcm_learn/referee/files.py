@@ -15,26 +15,44 @@ Place = tuple[str, dict[str, Any]]
 
 
 def read(path: Path) -> list[Place]:
-    """Return the objects of a `.json` or `.jsonl` file, each with the place where it stands."""
+    """Return the objects of a file, each with the place where it stands.
+
+    A `.json` file holds one object, a `.jsonl` file one in each line that is not blank, and files
+    of other names either.
+    """
     try:
-        text = path.read_text("utf-8")
+        text = path.read_bytes().decode("utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
         raise Unreadable(f"{path}: {getattr(error, 'strerror', None) or error}") from error
-    if path.suffix != ".jsonl":
+    lines = enumerate(text.split("\n"), start=1)  # other breaks may stand in a name
+    filled = [(f"{path}:{k}", line) for k, line in lines if line.strip(" \t\r")]
+    kind = path.suffix.lower()
+    if kind == ".json" or (kind != ".jsonl" and not (filled[1:] and _is_whole(filled[0][1]))):
         return [(str(path), _object(text, str(path)))]
-    lines = enumerate(text.splitlines(), start=1)
-    return [(f"{path}:{k}", _object(line, f"{path}:{k}")) for k, line in lines if line.strip()]
+    return [(place, _object(line, place)) for place, line in filled]
+
+
+def _is_whole(text: str) -> bool:
+    try:
+        return bool(_object(text, ""))
+    except Unreadable:
+        return False
 
 
 def _object(text: str, place: str) -> dict[str, Any]:
     try:
-        given = json.loads(text, object_pairs_hook=_single)
+        given = json.loads(text, object_pairs_hook=_single, parse_int=_integer)
     except (ValueError, RecursionError) as error:
         raise Unreadable(f"{place}: is not JSON: {error}") from error
     if not isinstance(given, dict):
         raise Unreadable(f"{place}: is not an object")
     inner = given.get("situation")  # lines of suites
     return inner if isinstance(inner, dict) and "arm" not in given else given
+
+
+def _integer(digits: str) -> int | float:
+    """Read an integer; Python refuses to convert very long ones."""
+    return int(digits) if len(digits) <= 400 else float(digits)
 
 
 def _single(pairs: list[tuple[str, Any]]) -> dict[str, Any]:

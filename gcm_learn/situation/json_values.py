@@ -25,7 +25,8 @@ from gcm_learn.situation.shapes import PLANAR, SOLID, Shape
 from gcm_learn.situation.situation import AnySituation, Plane, Situation
 from gcm_learn.situation.timed_motion import Piece, Piecewise
 
-_SHAPES: dict[str, type[Shape]] = {record.kind: record for record in PLANAR + SOLID}
+_SOLID: dict[str, type[Shape]] = {record.kind: record for record in SOLID}
+_SHAPES = {record.kind: record for record in PLANAR} | _SOLID
 
 
 def situation_from_json(obj: object, folder: str | Path = ".") -> Situation[Any]:
@@ -49,12 +50,13 @@ def situation_from_json(obj: object, folder: str | Path = ".") -> Situation[Any]
     check_names(members, "", Situation, optional=("name",), absent=version.absent)
     if not version.planes and "plane" in members:
         raise SituationError("plane", f"is for planar arms ({quote(version.name)} has none)")
+    shapes = _SHAPES if version.planes and "plane" not in members else _SOLID
     bodies = sequence(members["bodies"], "bodies", "bodies")
     return Situation(
         name=members.get("name", ""),
         horizon=members["horizon"],
         arm=arm_from(members["arm"], "arm", reading),
-        bodies=tuple(_body(body, f"bodies[{k}]", reading) for k, body in enumerate(bodies)),
+        bodies=tuple(_body(body, f"bodies[{k}]", reading, shapes) for k, body in enumerate(bodies)),
         plane=record_from(Plane, members["plane"], "plane") if "plane" in members else None,
         catch=members.get("catch", version.catches[0]),
         format=version.name,
@@ -72,21 +74,18 @@ def _format(members: dict[str, Any]) -> Format:
     return FORMATS[given]
 
 
-def _body(obj: object, path: str, reading: Reading) -> Body:
+def _body(obj: object, path: str, reading: Reading, shapes: dict[str, type[Shape]]) -> Body:
     """Return one entry of `bodies`."""
     members = object_from(obj, path)
     check_names(members, path, Body, absent=reading.format.absent)
-    shape = _shape(members["shape"], f"{path}.shape")
+    place, shape = f"{path}.shape", members["shape"]
+    record = shapes[kind_from(shape, place, tuple(shapes))]
+    shape = record_from(record, shape, place, extra=("kind",))
     motion = _motion(members["motion"], f"{path}.motion", isinstance(shape, SOLID), reading)
     values = members | {"shape": shape, "motion": motion}
     if "approach" in members:
         values["approach"] = record_from(Approach, members["approach"], f"{path}.approach")
     return made_from(Body, values, path)
-
-
-def _shape(obj: object, path: str) -> Shape:
-    """Return the shape that `kind` names."""
-    return record_from(_SHAPES[kind_from(obj, path, tuple(_SHAPES))], obj, path, extra=("kind",))
 
 
 def _motion(obj: object, path: str, solid: bool, reading: Reading) -> Motion:

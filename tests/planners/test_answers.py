@@ -214,9 +214,10 @@ def test_a_ball_that_flies_towards_the_hand_is_met_on_the_way(planner):
 
 
 def test_without_obstacles_there_is_no_clearance(planner):
-    plan = checked(scene(goal((1.0, -0.9))), planner)
+    alone = scene(goal((1.0, -0.9)))
+    plan = checked(alone, planner)
     assert plan.clearance == math.inf
-    assert plan_to_json(plan)["clearance"] is None
+    assert plan_to_json(plan, alone)["clearance"] is None
 
 
 def test_a_hand_without_grasp_has_to_touch_the_target_itself(planner):

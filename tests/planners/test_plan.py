@@ -14,8 +14,9 @@ from gcm_learn.arms import Arm
 from gcm_learn.errors import UnknownNameError
 from gcm_learn.families.random_planar import random_planar
 from gcm_learn.planners import Plan, get_planner, plan_to_json, planner_names
-from gcm_learn.situation import Body, Disc, PlanarQuadratic, Situation
+from gcm_learn.situation import Body, Disc, PlanarQuadratic, Situation, read_situations
 from tests.extras import INSTALLED, planner_params
+from tests.spatial import EXAMPLES
 
 REST = (0.0, 0.0)
 GOAL = Body("target", "goal", Disc(0.1), PlanarQuadratic((1.4, -0.9), REST, REST))
@@ -47,7 +48,7 @@ KEYS = [
 @pytest.mark.parametrize("case", SCENES)
 def test_a_plan_in_json_is_as_the_contract_says(case, planner):
     situation = SCENES[case]
-    record = plan_to_json(solve(situation, planner))
+    record = plan_to_json(solve(situation, planner), situation)
     text = json.dumps(record, allow_nan=False)
     assert json.loads(text) == record  # plain types only
     assert record["format"] == "gcm-learn/solution@1"
@@ -73,14 +74,29 @@ def test_a_plan_in_json_is_as_the_contract_says(case, planner):
         assert len(pair) == 2 and all(isinstance(v, float) and math.isfinite(v) for v in pair)
 
 
+def test_a_spatial_arm_is_answered_in_the_format_of_its_situation():
+    """Its situations are of several formats; a plan without one cannot be written."""
+    old = read_situations(EXAMPLES)[0]
+    plan = Plan(old.name, "none", "unreachable", "out of reach", 1.0)
+    caught = replace(plan, status="caught", catch_time=0.5, catch_body="ball")
+    for situation in (old, replace(old, format="gcm-learn/situation@3")):
+        version = situation.format.replace("situation", "solution")
+        for one in (plan, caught):
+            record = plan_to_json(one, situation)
+            assert record["format"] == version
+            assert record.get("catches") == (one.catches if version.endswith("@3") else None)
+    with pytest.raises(TypeError, match="situation"):
+        plan_to_json(plan)
+
+
 def test_keys_come_in_the_order_of_the_contract():
-    record = plan_to_json(solve(SCENES["caught"], "straight"))
+    record = plan_to_json(solve(SCENES["caught"], "straight"), SCENES["caught"])
     assert list(record)[:5] == KEYS[:5] and list(record)[-1] == "trajectory"
 
 
 def test_clearance_is_that_of_the_plan():
     plan = solve(SCENES["caught"], "straight")
-    assert plan_to_json(plan)["clearance"] == plan.clearance > 0.0
+    assert plan_to_json(plan, SCENES["caught"])["clearance"] == plan.clearance > 0.0
 
 
 def test_an_unknown_planner_is_refused_with_the_known_ones():

@@ -16,6 +16,7 @@ import pytest
 from gcm_learn import referee
 from gcm_learn.referee import Complaint, Unreadable, judge
 from gcm_learn.referee.__main__ import main
+from gcm_learn.situation import read_situations
 from tests.referee.answers import MADE
 from tests.worlds import changed
 
@@ -131,6 +132,10 @@ def test_models_are_found_beside_the_file_and_by_name(written, capsys, tmp_path)
             '{"format": "gcm-learn/situation@1", "name": "a"}',
             "horizon: is missing",
         ),
+        (
+            '{"format": "gcm-learn/situation@1", "name": "a", "horizon": 1%s}' % ("0" * 5000),
+            "arm: is missing",
+        ),
         ('{"name": "a", "name": "b"}', "a field is there twice"),
         ('{"name": "a"}\n{"name": "a"}', 'name: "a" is there twice'),
     ],
@@ -143,6 +148,29 @@ def test_unreadable_input_is_one_line(written, capsys, text, word):
     assert found.err.count("\n") == 1 and word in found.err
     assert main([situations + "x", solutions]) == 2
     assert "No such file" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("name", ["situations.jsonl", "SCENES.JSONL", "scenes.txt", "scenes"])
+def test_it_reads_what_is_solved(written, capsys, name):
+    """A byte-order mark, line breaks of Windows and blank lines; others stand in names."""
+    made = pairs()
+    for (situation, solution), sign in zip(made, "\u2028\u2029\x85\x0b\x0c\x1e", strict=False):
+        situation["name"] = solution["name"] = f"a{sign}b{situation['name']}"
+    paths = [Path(path) for path in written(made)]
+    for k, path in enumerate(paths):
+        lines = [json.dumps(pair[k], ensure_ascii=False) for pair in made]
+        path.write_bytes(("\ufeff" + "\r\n \t\r\n".join(lines)).encode())
+    moved = paths[0].rename(paths[0].with_name(name))
+    assert [one.name for one in read_situations(moved)] == [one[0]["name"] for one in made]
+    assert main([str(moved), str(paths[1])]) == 0
+    assert capsys.readouterr().out.endswith("0 complaints\n")
+
+
+def test_it_reads_one_object_in_a_file_of_any_name(tmp_path, capsys):
+    situation, solution = MADE["planar"]()
+    (tmp_path / "scene").write_text("\ufeff" + json.dumps(situation, indent=1), "utf-8")
+    (tmp_path / "answer").write_text(json.dumps(solution, indent=1), "utf-8")
+    assert main([str(tmp_path / "scene"), str(tmp_path / "answer")]) == 0
 
 
 def test_a_complaint_reads_as_a_line():
