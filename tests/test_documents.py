@@ -199,7 +199,7 @@ def test_exchange_example_is_a_situation_and_its_fields_are_the_solutions():
     assert caught.caught and not any(plan.caught for plan in first_arrival), "as the limits say"
     text = (ROOT / "docs" / "exchange.md").read_text("utf-8").split("## Solution")[1]
     listed = set(re.findall(r"`([a-z_]+)`", text))
-    assert set(plan_to_json(caught)) - {"format"} <= listed
+    assert set(plan_to_json(caught, situation)) - {"format"} <= listed
 
 
 def test_planners_and_commands_are_listed():

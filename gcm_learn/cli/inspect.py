@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any
@@ -18,13 +19,19 @@ class Inspect:
     folder: Annotated[Positional[str], arg(metavar="DIR")]
     """a dataset"""
 
-    def run(self) -> int:
-        """Print it."""
-        dataset_package()
-        from gcm_learn.dataset import survey
+    verify: bool = False
+    """compare the bytes of all shards with the manifest's checksums, too"""
 
-        print("\n".join(report(survey(self.folder))))
-        return 0
+    def run(self) -> int:
+        """Print it, then what is wrong with its shards; the exit code is 1 if anything is."""
+        dataset = dataset_package()
+        print("\n".join(report(dataset.survey(self.folder))))
+        faults = list(dataset.faults_of(dataset.Folder(self.folder), hashes=self.verify))
+        for fault in faults:
+            print(fault, file=sys.stderr)
+        if self.verify and not faults:
+            print("the bytes of all shards are those of the manifest")
+        return 1 if faults else 0
 
 
 def report(manifest: Mapping[str, Any]) -> Iterator[str]:

@@ -19,7 +19,7 @@ from gcm_learn.dataset.folder import Folder
 from gcm_learn.dataset.generation import Estimate, estimate, generate
 from gcm_learn.dataset.item import make_item, warm_up
 from gcm_learn.dataset.kinds import kind_of_version
-from gcm_learn.dataset.manifest import Manifest, survey
+from gcm_learn.dataset.manifest import Manifest, faults_of, survey
 from gcm_learn.dataset.parameters import quantities_of
 from gcm_learn.dataset.reader import Dataset
 from gcm_learn.dataset.reader import open_dataset as open
@@ -49,6 +49,7 @@ __all__ = [
     "Split",
     "WINDOW",
     "estimate",
+    "faults_of",
     "generate",
     "kind_of_version",
     "make_item",

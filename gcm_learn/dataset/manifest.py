@@ -8,10 +8,10 @@ from __future__ import annotations
 import json
 import os
 from collections import Counter
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from typing import Any
 
-from gcm_learn.dataset.folder import MANIFEST, Folder
+from gcm_learn.dataset.folder import MANIFEST, SHARDS, Folder
 from gcm_learn.dataset.record import version_of
 from gcm_learn.dataset.shards import (
     MOST_ERRORS,
@@ -189,6 +189,31 @@ def survey(path: str | os.PathLike[str]) -> Manifest:
     now = manifest_of(folder, spec, present(folder, spec, range(spec.shards)), runs)
     known = manifest is not None
     return now | {"complete": known and now["complete"], "planned": known}
+
+
+def faults_of(folder: Folder, *, hashes: bool = False) -> Iterator[str]:
+    """Yield a line for each shard that is missing, cut, or not the one of the manifest.
+
+    Without `hashes` shards are told by their sizes, which is quick.
+    """
+    manifest = read_manifest(folder)
+    if manifest is None and hashes:
+        raise DatasetError(f"{folder.url}: has no manifest to check it against")
+    known = {entry["name"]: entry for entry in (manifest or {"shards": ()})["shards"]}
+    there = {f"{SHARDS}/{name}" for name in folder.names(SHARDS) if name.endswith(".parquet")}
+    for name in sorted(there.union(known)):
+        if name not in there:
+            yield f"{folder.where(name)}: is missing"
+        elif name not in known:
+            try:
+                info_of(folder, name)
+            except DamagedShardError as error:
+                yield str(error)
+        elif (size := folder.size(name)) != known[name]["bytes"]:
+            wanted = known[name]["bytes"]
+            yield f"{folder.where(name)}: {size} bytes, the manifest says {wanted}"
+        elif hashes and folder.sha256(name) != known[name]["sha256"]:
+            yield f"{folder.where(name)}: its bytes are not those of the manifest"
 
 
 def spec_of(folder: Folder) -> DatasetSpec:

@@ -51,7 +51,7 @@ _MADE_BY = (
 
 
 class DamagedShardError(DatasetError):
-    """A shard's file cannot be read."""
+    """A shard's file cannot be read, or is not that of the manifest."""
 
 
 @dataclass(frozen=True)
@@ -232,11 +232,21 @@ def read_columns(
     while such threads are still being started, which aborts it.
     """
     names = None if columns is None else list(columns)
-    with folder.open(name) as stream:
-        file = pq.ParquetFile(stream, pre_buffer=False)
+    with _opened(folder, name) as file:
         if group is None:
             return file.read(names, use_threads=False)
         return file.read_row_group(group, names, use_threads=False)
+
+
+@contextmanager
+def _opened(folder: Folder, name: str) -> Iterator[pq.ParquetFile]:
+    """Open a shard; what cannot be read of it is refused by its name."""
+    try:
+        with folder.open(name) as stream:
+            yield pq.ParquetFile(stream, pre_buffer=False)
+    except (OSError, pa.ArrowException, ValueError) as error:
+        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
+        raise DamagedShardError(f"{folder.where(name)}: not a shard ({reason})") from None
 
 
 def header_of(folder: Folder, name: str) -> dict[str, Any]:
@@ -247,14 +257,9 @@ def header_of(folder: Folder, name: str) -> dict[str, Any]:
     DatasetError
         If it is no shard, or one of another version of the schema.
     """
-    try:
-        with folder.open(name) as stream:
-            file = pq.ParquetFile(stream, pre_buffer=False)
-            metadata, rows = file.schema_arrow.metadata or {}, file.metadata.num_rows
-            header = json.loads(metadata.get(KEY, b"{}"))
-    except (OSError, pa.ArrowException, ValueError) as error:
-        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise DamagedShardError(f"{folder.where(name)}: not a shard ({reason})") from None
+    with _opened(folder, name) as file:
+        metadata, rows = file.schema_arrow.metadata or {}, file.metadata.num_rows
+        header = json.loads(metadata.get(KEY, b"{}"))
     if header.get("format") not in VERSIONS:
         is_, known = header.get("format", "none"), " and ".join(VERSIONS)
         raise DatasetError(f"{folder.where(name)}: schema is {is_}, this version reads {known}")

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import json
 import re
+import shutil
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
@@ -15,7 +17,8 @@ from gcm_learn.cli import main
 from gcm_learn.cli.generate import _hint
 from gcm_learn.cli.inspect import per_second
 from gcm_learn.dataset.folder import Folder
-from gcm_learn.dataset.shards import make_shard
+from gcm_learn.dataset.shards import make_shard, shard_name
+from gcm_learn.errors import DatasetError
 from gcm_learn.processes import Here
 from tests.dataset.conftest import SMALL, make_here
 
@@ -79,6 +82,44 @@ def test_inspect_tells_of_one_under_way(tmp_path, capsys):
     assert main(["inspect", str(tmp_path)]) == 0
     assert "30 records, 30 of 50" in capsys.readouterr().out
     assert not (tmp_path / "manifest.json").exists()
+
+
+@pytest.mark.parametrize("manifest", [True, False])
+@pytest.mark.parametrize(("left", "said"), [(0, "0 bytes"), (900, "900 bytes"), (None, "missing")])
+def test_a_shard_that_is_cut_is_named(folder, tmp_path, capsys, manifest, left, said):
+    """By the command, and by who reads it."""
+    copy = Path(shutil.copytree(folder, tmp_path / "copy"))
+    shard = copy / shard_name(1)
+    content = shard.read_bytes()
+    shard.unlink()
+    if left is not None:
+        shard.write_bytes(content[:left])
+    if not manifest:
+        (copy / "manifest.json").unlink()
+    assert main(["inspect", str(copy)]) == (0 if left is None and not manifest else 1)
+    out, err = capsys.readouterr()
+    if left is not None or manifest:
+        assert "small: " in out and err.count("\n") == 1
+        assert shard_name(1) in err and (said in err or not manifest)
+    if left is not None:
+        with pytest.raises(DatasetError, match=f"{shard_name(1)}: not a shard"):
+            dataset.open(copy)
+
+
+def test_a_byte_that_changed_is_found_by_checksums(folder, tmp_path, capsys):
+    assert main(["inspect", folder, "--verify"]) == 0
+    assert "the bytes of all shards are those of the manifest" in capsys.readouterr().out
+    copy = Path(shutil.copytree(folder, tmp_path / "copy"))
+    content = bytearray((copy / shard_name(2)).read_bytes())
+    content[len(content) // 3] ^= 1
+    (copy / shard_name(2)).write_bytes(content)
+    assert main(["inspect", str(copy)]) == 0
+    capsys.readouterr()
+    assert main(["inspect", str(copy), "--verify"]) == 1
+    assert f"{shard_name(2)}: its bytes are not those of the manifest" in capsys.readouterr().err
+    (copy / "manifest.json").unlink()
+    assert main(["inspect", str(copy), "--verify"]) == 2
+    assert "has no manifest to check it against" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("command", ["inspect", "gallery"])

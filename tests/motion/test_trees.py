@@ -117,7 +117,7 @@ def test_coordinates_alone_stand_in_a_trajectory():
              "hand": {"joint": 4, "point": [0.1, 0, 0]}}  # fmt: skip
     given = situation(model=model, posture=[0.05])
     given["bodies"][0]["motion"]["position"] = [1.1, 0, 0]
-    plan = get_planner("search").plan(situation_from_json(given))
-    answer = plan_to_json(plan)
+    read = situation_from_json(given)
+    answer = plan_to_json(get_planner("search").plan(read), read)
     assert answer["status"] == "caught" and judge(given, answer) == []
     assert np.shape(answer["trajectory"]["joints"])[1] == 1
