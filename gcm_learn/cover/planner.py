@@ -30,7 +30,7 @@ class ProvenPlan(Plan):
     @classmethod
     def of(cls, situation: AnySituation, body: int, **known: Any) -> ProvenPlan:
         """Return the plan of a situation that catches one of its bodies."""
-        made = cls(name=situation.name, status="caught", **known)
+        made = cls(name=situation.name, status="caught", format=situation.format, **known)
         vars(made)["_asked"] = situation, body
         del vars(made)["clearance"]  # so that the property answers
         return made
@@ -78,6 +78,7 @@ class CoveredPlanner:
             message=f"not covered: {why}",
             planning_ms=1e3 * (time.perf_counter() - started),
             failure=Failure.NO_MEMORY,
+            format=situation.format,
         )
 
     def _caught(

@@ -139,4 +139,5 @@ def plan_of(situation: AnySituation, planner: str, cells: Mapping[str, Any]) -> 
         clearance=clearance,
         trajectory=path,
         on_the_way=_on_the_way(cells),
+        format=situation.format,
     )

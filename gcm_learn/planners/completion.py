@@ -111,6 +111,7 @@ class Task:
             failure=reason.failure,
             map=cognitive_map,
             nodes=self.nodes,
+            format=self.situation.format,
         )
 
     def early_answer(self) -> Plan | None:
@@ -144,6 +145,7 @@ class Task:
             trajectory=attempt.trajectory,
             map=cognitive_map,
             nodes=self.nodes,
+            format=self.situation.format,
         )
 
 

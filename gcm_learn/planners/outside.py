@@ -178,7 +178,7 @@ class Outside:
 
     def plan(self, situation: AnySituation, **given: Any) -> Plan:
         """Answer a situation; a deadline is for planners that take one."""
-        since, shown = clock.perf_counter(), deepcopy(situation)
+        since, shown, form = clock.perf_counter(), deepcopy(situation), situation.format
         status, message, answer = "error", "", None
         try:
             with np.errstate(), time_limit(self.limit), redirect_stdout(sys.stderr):
@@ -192,14 +192,15 @@ class Outside:
             try:
                 _refuse_changes(shown, situation)
                 values = _values(answer, situation)
-                return Plan(**values, planner=self.name, planning_ms=spent)
+                return Plan(**values, planner=self.name, planning_ms=spent, format=form)
             except _Broken as error:
                 status, message = "broken", f"the planner breaks its promise: {error}"
             except Exception as error:
                 message = in_words(error)
         if status == "error":
             message = f"the planner fails: {message}"
-        return Plan(situation.name, self.name, status, message, spent)  # type: ignore[arg-type]
+        known: Any = status
+        return Plan(situation.name, self.name, known, message, spent, format=form)
 
 
 def _refuse_changes(shown: AnySituation, situation: AnySituation) -> None:

@@ -84,6 +84,8 @@ class Plan:
     """Targets that are caught before `catch_body`, in order: names and times [s]."""
     nodes: int = 0
     """Labels that a search over cells has expanded, or nodes that were added to trees."""
+    format: str = ""
+    """Format of the situation; one made by hand may do without."""
 
     @property
     def caught(self) -> bool:
@@ -207,7 +209,7 @@ LISTED = ("gcm-learn/solution@3",)
 """Formats that list all catches."""
 
 
-def plan_to_json(plan: Plan, situation: AnySituation) -> dict[str, Any]:
+def plan_to_json(plan: Plan, situation: AnySituation | None = None) -> dict[str, Any]:
     """Return the plan in the exchange format that answers its situation's.
 
     Fields that make sense only for a catch are null otherwise; so is the clearance of a catch in a
@@ -216,11 +218,19 @@ def plan_to_json(plan: Plan, situation: AnySituation) -> dict[str, Any]:
     Parameters
     ----------
     plan : Plan
-    situation : Situation
-        Answered by the plan; several formats have arms of one kind.
+    situation : Situation, optional
+        Answered by the plan; its format is the plan's by default.
+
+    Raises
+    ------
+    ValueError
+        If neither tells the format.
     """
     clearance, moves = plan.clearance, plan.trajectory
-    version = solution_format(situation.format)
+    asked = plan.format if situation is None else situation.format
+    if not asked:
+        raise ValueError("situation: is needed (the plan does not tell its format)")
+    version = solution_format(asked)
     out: dict[str, Any] = {"format": version, "name": plan.name, "planner": plan.planner}
     out["status"] = plan.exchanged
     if version in LISTED:

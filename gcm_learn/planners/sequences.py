@@ -72,12 +72,12 @@ def joined(situation: AnySituation, legs: Sequence[Plan], spent: float) -> Plan:
         Time of planning [ms].
     """
     caught = [leg for leg in legs if leg.caught]
-    missing = len(situation.targets) - len(caught)
+    missing, form = len(situation.targets) - len(caught), situation.format
     if not caught:
         return replace(legs[0], planning_ms=spent)
     if situation.catch == "all" and missing:
         message = f"{len(caught)} of {len(situation.targets)} targets are caught in the best order"
-        return Plan(situation.name, legs[0].planner, "unreachable", message, spent)
+        return Plan(situation.name, legs[0].planner, "unreachable", message, spent, format=form)
     moves, ends = _movement(situation, caught)
     bodies: list[str | None] = [target.name for target in situation.targets]
     order = sorted(range(len(ends)), key=lambda k: (ends[k], bodies.index(caught[k].catch_body)))
@@ -85,12 +85,12 @@ def joined(situation: AnySituation, legs: Sequence[Plan], spent: float) -> Plan:
     fault, clearance = verified_anew(situation, moves, names[-1])
     if fault is not None:
         message = f"the legs do not join: {fault}"
-        return Plan(situation.name, legs[0].planner, "unreachable", message, spent)
+        return Plan(situation.name, legs[0].planner, "unreachable", message, spent, format=form)
     events = ", ".join(f"{name!r} at {t:.3f} s" for name, t in zip(names, ends, strict=True))
     return Plan(
         situation.name, legs[0].planner, "caught", f"caught {events}", spent, ends[-1], names[-1],
         clearance, moves, nodes=sum(leg.nodes for leg in legs),
-        on_the_way=tuple(zip(names[:-1], ends[:-1], strict=True)),
+        on_the_way=tuple(zip(names[:-1], ends[:-1], strict=True)), format=form,
     )  # fmt: skip
 
 

@@ -163,7 +163,7 @@ def both(situation, path):
     room = room_of(situation, path)
     clearance = verdict.clearance if verdict.good else room - record.arm.thickness
     plan = Plan("made", "none", "caught", "", 0.0, moves.duration, "goal", clearance, moves)
-    return verdict, plan_to_json(plan)
+    return verdict, plan_to_json(plan, record)
 
 
 def compare(seed, count):

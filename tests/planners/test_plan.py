@@ -75,7 +75,7 @@ def test_a_plan_in_json_is_as_the_contract_says(case, planner):
 
 
 def test_a_spatial_arm_is_answered_in_the_format_of_its_situation():
-    """Its situations are of several formats; a plan without one cannot be written."""
+    """They are of several formats; a plan that does not tell its own cannot be written."""
     old = read_situations(EXAMPLES)[0]
     plan = Plan(old.name, "none", "unreachable", "out of reach", 1.0)
     caught = replace(plan, status="caught", catch_time=0.5, catch_body="ball")
@@ -85,8 +85,16 @@ def test_a_spatial_arm_is_answered_in_the_format_of_its_situation():
             record = plan_to_json(one, situation)
             assert record["format"] == version
             assert record.get("catches") == (one.catches if version.endswith("@3") else None)
-    with pytest.raises(TypeError, match="situation"):
+        assert plan_to_json(replace(plan, format=situation.format))["format"] == version
+    with pytest.raises(ValueError, match="situation: is needed"):
         plan_to_json(plan)
+
+
+@pytest.mark.parametrize("horizon", [1e-3, 1.0])
+def test_plans_know_the_format_of_their_situation(horizon):
+    newer = replace(read_situations(EXAMPLES)[0], format="gcm-learn/situation@3", horizon=horizon)
+    for planner in ("straight", "recall", "search"):
+        assert solve(newer, planner).format == newer.format
 
 
 def test_keys_come_in_the_order_of_the_contract():
