@@ -47,11 +47,11 @@ class Line(NamedTuple):
     factor: float = 1.0
     offset: float = 0.0
     leads: bool = True
-    """Whether the joint is the one that has the coordinate."""
+    """True for the joint that has the coordinate."""
 
 
 class JointTree:
-    """Joints of a model, each on a frame before it; some have no coordinate but follow another.
+    """Joints of a model, each on a frame before it. Some follow another by a line.
 
     Indices of joints count from 0 here, and frame k + 1 is that of joint k.
     """
@@ -109,7 +109,7 @@ class JointTree:
 
     @cached_property
     def serial(self) -> bool:
-        """Whether every joint has a coordinate and stands on the one before."""
+        """True if every joint has a coordinate and stands on the joint before it."""
         return all(joint.parent is None and joint.follows is None for joint in self.joints)
 
     @cached_property

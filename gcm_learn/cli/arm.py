@@ -190,8 +190,10 @@ class Arms:
 
 def counts(model: ChainModel) -> str:
     """Return how many joints, capsules and pairs a model has."""
-    pairs = len(model.self_collision)
-    return f"{model.dof} joints, {len(model.links)} capsules, {pairs} pairs for self-collision"
+    pairs, behind = len(model.self_collision), len(model.joints) - model.dof
+    followers = f"{behind} that follow, " if behind else ""
+    links = f"{len(model.links)} capsules, {pairs} pairs for self-collision"
+    return f"{model.dof} joints, {followers}{links}"
 
 
 def report(fitted: Fitted) -> list[str]:

@@ -221,7 +221,7 @@ def _arm(
 
 
 def _accelerations(joints: Any, given: Any) -> Array:
-    """Return the limits (m,) of all joints by those of the coordinates (n,)."""
+    """Return the limits (m,) of all joints by the limits (n,) of the coordinates."""
     left = iter(given)
     limits = [
         joint.get("max_acceleration", UNLIMITED) if "follows" in joint else next(left)

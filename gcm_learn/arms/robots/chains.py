@@ -13,13 +13,13 @@ from scipy.spatial.transform import Rotation
 
 from gcm_learn.arms.chain import ChainJoint, ChainModel, Hand, Link
 from gcm_learn.arms.robots.capsules import Group, covered, overhang
+from gcm_learn.arms.robots.following import MOVING, Placed, arranged
 from gcm_learn.arms.robots.pairs import checked_pairs
-from gcm_learn.arms.robots.tree import Drive, Hull, Inertial, Robot, RobotJoint, motion, together
+from gcm_learn.arms.robots.tree import Drive, Hull, Inertial, Robot, RobotJoint, together
 from gcm_learn.arms.robots.urdf import read_urdf
 from gcm_learn.arms.robots.urdf_checks import is_xacro
 from gcm_learn.errors import RobotError, SituationError
 
-MOVING = ("revolute", "continuous", "prismatic")
 MOST_CAPSULES = 3
 """Capsules that cover a link at most."""
 FULL_TURN = 2.0 * math.pi
@@ -46,9 +46,9 @@ class Fitted(NamedTuple):
     parts: tuple[tuple[Hull, ...], ...]
     """Convex parts that each link of the model holds, in the frame of its joint."""
     masses: tuple[Inertial, ...]
-    """(n + 1) Mass that each frame carries, the base first."""
+    """(m + 1) Mass that each frame carries, the base first."""
     drives: tuple[Drive, ...]
-    """(n) Motors of the joints."""
+    """(m) Motors of the joints; those of followers have no torque."""
 
 
 def read_robot(
@@ -107,8 +107,9 @@ def chain_of(
 ) -> Fitted:
     """Make a chain of the joints between two links of a robot.
 
-    Fixed joints are folded. All other joints stand at their given value; their links count, carried
-    by the joint of the chain that they hang from.
+    Fixed joints are folded. Joints that follow the chain's move with them, on the chain or beside
+    it. All other joints stand at their given value; their links count, carried by the joint that
+    they hang from.
 
     Parameters
     ----------
@@ -118,10 +119,11 @@ def chain_of(
     point, axis : (3,) sequence of float
         The hand's place and the direction in which it reaches, in the frame of `tip`.
     at : dict of str to float
-        Values of joints off the chain [rad or lengths]; 0, or the nearest that is allowed, if not
-        given.
+        Values of joints that stand still [rad or lengths]; 0, or the nearest that is allowed, if
+        not given.
     max_speed, max_acceleration : (n,) sequence of float, optional
-        Of the chain's joints [rad/s, rad/s^2 or lengths]; speeds are those of the file else.
+        Of the coordinates, that is, of joints that follow no other [rad/s, rad/s^2 or lengths];
+        speeds are those of the file else.
     torque, armature : (n,) sequence of float, optional
         Of the chain's motors, see `Drive`; those of the file else.
     capsules : int
@@ -136,17 +138,18 @@ def chain_of(
         One line that names the link or joint.
     """
     way = _way(robot, base, tip)
-    moving = [joint for joint in way if joint.type != "fixed"]
-    if not moving:
+    placed, frames = arranged(robot, base, way, at or {})
+    if not placed:
         raise RobotError(f"no joint moves between {base!r} and {tip!r}")
-    values = _values(robot, moving, at or {})
-    frames = _frames(robot, base, moving, values)
-    speeds = _listed(max_speed, "max_speed", moving)
-    forces = _listed(max_acceleration, "max_acceleration", moving)
-    joints = []
-    for k, joint in enumerate(moving):
-        inside = frames[joint.parent][1] @ joint.origin
-        joints.append(_chain_joint(joint, inside, speeds[k], forces[k]))
+    moving = [one.joint for one in placed if one.follows is None]
+    speeds = iter(_listed(max_speed, "max_speed", moving))
+    forces = iter(_listed(max_acceleration, "max_acceleration", moving))
+    joints: list[ChainJoint] = []
+    for k, one in enumerate(placed):
+        if one.follows is None:
+            joints.append(_chain_joint(one, k, None, next(speeds), next(forces)))
+        else:
+            joints.append(_chain_joint(one, k, joints[one.follows.joint - 1], None, None))
     links, covers, parts = _links(robot, frames, capsules)
     last, pose = frames[tip]
     hand = Hand(last, _tuple(pose[:3, :3] @ point + pose[:3, 3]), _tuple(pose[:3, :3] @ axis))
@@ -154,9 +157,9 @@ def chain_of(
     pairs = checked_pairs(model, seed)
     model = ChainModel(model.name, model.joints, model.links, hand, pairs, source)
     drives = _drives(
-        moving, _listed(torque, "torque", moving), _listed(armature, "armature", moving)
+        placed, _listed(torque, "torque", moving), _listed(armature, "armature", moving)
     )
-    return Fitted(model, tuple(covers), tuple(parts), _masses(robot, frames, len(moving)), drives)
+    return Fitted(model, tuple(covers), tuple(parts), _masses(robot, frames, len(placed)), drives)
 
 
 def _listed(
@@ -192,69 +195,20 @@ def _way(robot: Robot, base: str, tip: str) -> list[RobotJoint]:
     return way
 
 
-def _values(
-    robot: Robot, moving: Sequence[RobotJoint], at: Mapping[str, float]
-) -> dict[str, float]:
-    """Return the values at which joints off the chain stand."""
-    known = {joint.name: joint for joint in robot.joints}
-    chain = {joint.name for joint in moving}
-    for name in at:
-        if name not in known or known[name].type == "fixed":
-            raise RobotError(f"at: there is no joint {name!r} that moves")
-        if name in chain:
-            raise RobotError(f"at: joint {name!r} is one of the chain's")
-    values: dict[str, float] = {}
-    for joint in robot.joints:
-        low, high = joint.range or (-np.inf, np.inf)
-        if joint.name in at and not low <= at[joint.name] <= high:
-            given = f"{low:g} to {high:g} (got {at[joint.name]:g})"
-            raise RobotError(f"at: joint {joint.name!r} stands from {given}")
-        value = min(max(0.0, low), high)
-        if joint.follows is not None and joint.name not in at:
-            leader, factor, offset = joint.follows
-            value = factor * float(at.get(leader, 0.0)) + offset
-        values[joint.name] = float(at.get(joint.name, value))
-    return values
-
-
-def _frames(
-    robot: Robot, base: str, moving: Sequence[RobotJoint], values: Mapping[str, float]
-) -> dict[str, tuple[int, np.ndarray]]:
-    """Return the joint of the chain that carries each link, and the link's pose in its frame."""
-    numbers = {joint.name: k + 1 for k, joint in enumerate(moving)}
-    frames: dict[str, tuple[int, np.ndarray]] = {base: (0, np.eye(4))}
-    waiting = [base]
-    while waiting:
-        link = waiting.pop()
-        number, pose = frames[link]
-        for joint in robot.joints:
-            if joint.parent == link and joint.child not in frames:
-                if joint.name in numbers:
-                    frames[joint.child] = numbers[joint.name], np.eye(4)
-                else:
-                    frames[joint.child] = number, pose @ joint.origin @ _moved(joint, values)
-            elif joint.child == link and joint.parent not in frames:
-                back = np.linalg.inv(joint.origin @ _moved(joint, values))
-                frames[joint.parent] = number, pose @ back
-            else:
-                continue
-            waiting.append(joint.child if joint.parent == link else joint.parent)
-    return frames
-
-
-def _moved(joint: RobotJoint, values: Mapping[str, float]) -> np.ndarray:
-    """Return the pose that a joint's value gives its child; joints of other types do not move."""
-    return motion(joint.type if joint.type in MOVING else "fixed", joint.axis, values[joint.name])
-
-
 def _chain_joint(
-    joint: RobotJoint, pose: np.ndarray, speed: float | None, force: float | None
+    placed: Placed, k: int, leader: ChainJoint | None, speed: float | None, force: float | None
 ) -> ChainJoint:
-    """Return a joint of the chain, at a pose in the frame of the joint before."""
+    """Return joint k (from 0) of the arm; a follower without limits has those of its leader."""
+    joint, pose, line = placed.joint, placed.pose, placed.follows
     speed = joint.max_speed if speed is None else speed
+    bounds = (-FULL_TURN, FULL_TURN) if joint.type == "continuous" else joint.range
+    if leader is not None and line is not None:
+        ends = sorted(line.factor * end + line.offset for end in leader.range)
+        free = joint.type == "continuous" or bounds is None
+        bounds = (ends[0], ends[1]) if free else bounds
+        speed = abs(line.factor) * leader.max_speed if speed is None else speed
     if speed is None:
         raise RobotError(f"joint {joint.name!r}: has no largest speed; give --max-speed")
-    bounds = (-FULL_TURN, FULL_TURN) if joint.type == "continuous" else joint.range
     if bounds is None:
         way = ", or make its type continuous" if joint.type == "revolute" else ""
         raise RobotError(f"joint {joint.name!r}: has no range; give its limits{way}")
@@ -262,7 +216,7 @@ def _chain_joint(
     quaternion = np.where(np.abs(quaternion) < CLEAR, 0.0, quaternion)
     try:
         return ChainJoint(
-            axis=joint.axis,
+            axis=_tuple(placed.axis),
             range=bounds,
             max_speed=speed,
             type="prismatic" if joint.type == "prismatic" else "revolute",
@@ -270,6 +224,8 @@ def _chain_joint(
             rotation=_tuple(quaternion),
             max_acceleration=force,
             name=joint.name,
+            parent=None if placed.parent == k else placed.parent,
+            follows=line,
         )
     except SituationError as error:
         raise RobotError(f"joint {joint.name!r}: {error}") from None
@@ -301,13 +257,14 @@ def _links(
 
 
 def _drives(
-    moving: Sequence[RobotJoint],
+    placed: Sequence[Placed],
     torques: Sequence[float | None],
     rotors: Sequence[float | None],
 ) -> tuple[Drive, ...]:
-    """Return the motors of joints, of which some numbers may be given."""
-    made = []
-    for joint, torque, rotor in zip(moving, torques, rotors, strict=True):
+    """Return the motors of joints, of which some numbers may be given; followers have none."""
+    made, listed = [], iter(zip(torques, rotors, strict=True))
+    for joint, follows in ((one.joint, one.follows) for one in placed):
+        torque, rotor = next(listed) if follows is None else (0.0, None)
         given = {"torque": torque, "armature": rotor}
         made.append(joint.drive._replace(**{k: v for k, v in given.items() if v is not None}))
     return tuple(made)

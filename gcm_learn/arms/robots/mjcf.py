@@ -9,7 +9,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from gcm_learn.arms.robots import tree
-from gcm_learn.arms.robots.tree import Drive, Hull, Inertial, Robot, RobotJoint, RobotLink
+from gcm_learn.arms.robots.tree import Drive, Hull, Inertial, Robot, RobotJoint, RobotLink, Tie
 from gcm_learn.errors import MissingExtraError, RobotError
 
 
@@ -55,7 +55,84 @@ def read_mjcf(path: Path, visual: bool = False) -> Robot:
     for name, link in links.items():
         if not all(np.isfinite(hull.centres).all() for hull in link.hulls):
             raise RobotError(f"body {name!r}: the place of its geometry is not finite")
-    return Robot(Path(path).stem, links, joints, tuple(notes))
+    joints, ties = _followed(model, joints, names, mujoco)
+    return Robot(Path(path).stem, links, joints, tuple(notes), ties)
+
+
+def _followed(
+    model: Any, joints: list[RobotJoint], names: list[str], mujoco: Any
+) -> tuple[list[RobotJoint], tuple[Tie, ...]]:
+    """Return the joints with their leaders by equalities, and the equalities that are no line."""
+    known, ties, types = {joint.name: joint for joint in joints}, [], mujoco.mjtEq
+    for e in np.flatnonzero(model.eq_active0).tolist():
+        kind, ends = int(model.eq_type[e]), (int(model.eq_obj1id[e]), int(model.eq_obj2id[e]))
+        called = f"equality {model.equality(e).name or e!r}"
+        if kind == types.mjEQ_JOINT:
+            first, second = (_joint_name(model, j) for j in ends)
+            tie = _lead(model, e, called, known, first, second)
+            ties += [] if tie is None else [tie]
+        elif kind in (types.mjEQ_CONNECT, types.mjEQ_WELD):
+            if model.eq_objtype[e] == mujoco.mjtObj.mjOBJ_SITE:
+                ends = (int(model.site_bodyid[ends[0]]), int(model.site_bodyid[ends[1]]))
+            if all(model.body_mocapid[b] < 0 for b in ends):
+                links = tuple(names[b] for b in ends)
+                what = f"{called} ties {links[0]!r} to {links[1]!r}: no chain closes a loop"
+                ties.append(Tie(what, links=links))
+        elif kind == types.mjEQ_TENDON:
+            held = tuple(n for t in ends if t >= 0 for n in _held(model, t, mujoco))
+            what = f"{called} couples tendons, of joints {', '.join(held)}: only joints can follow"
+            ties.append(Tie(what, joints=held))
+    return list(known.values()), tuple(ties)
+
+
+def _joint_name(model: Any, j: int) -> str:
+    return (model.joint(j).name or f"joint {j}") if j >= 0 else ""
+
+
+def _held(model: Any, t: int, mujoco: Any) -> list[str]:
+    """Return the joints of a fixed tendon, or those that move the sites of another."""
+    first, found = int(model.tendon_adr[t]), []
+    for w in range(first, first + int(model.tendon_num[t])):
+        j, kind = int(model.wrap_objid[w]), int(model.wrap_type[w])
+        if kind == mujoco.mjtWrap.mjWRAP_JOINT:
+            found.append(_joint_name(model, j))
+        elif kind == mujoco.mjtWrap.mjWRAP_SITE:
+            body = int(model.site_bodyid[j])
+            while body:
+                count, start = int(model.body_jntnum[body]), int(model.body_jntadr[body])
+                found += [_joint_name(model, i) for i in range(start, start + count)]
+                body = int(model.body_parentid[body])
+    return found
+
+
+def _lead(
+    model: Any, e: int, called: str, known: dict[str, RobotJoint], first: str, second: str
+) -> Tie | None:
+    """Let one joint of an equality follow the other; return the bond if it cannot."""
+    rest = [float(model.qpos0[model.jnt_qposadr[j]]) if j >= 0 else 0.0
+            for j in (int(model.eq_obj1id[e]), int(model.eq_obj2id[e]))]  # fmt: skip
+    shift, factor, *curved = (float(number) for number in model.eq_data[e, :5])
+    joints = (first, second) if second else (first,)
+    if second and any(curved):
+        return Tie(
+            f"joint {first!r}: follows {second!r} by a curve ({called}), not a line", (), joints
+        )
+    factor = factor if second else 0.0
+    offset = rest[0] + shift - factor * rest[1]
+    if _free(known, first, second):
+        known[first] = known[first]._replace(follows=(second, factor, offset))
+    elif factor and _free(known, second, first):
+        known[second] = known[second]._replace(follows=(first, 1.0 / factor, -offset / factor))
+    else:
+        return Tie(f"joint {first!r}: {called} binds it twice", (), joints)
+    return None
+
+
+def _free(known: dict[str, RobotJoint], follower: str, leader: str) -> bool:
+    """Return whether a joint may begin to follow another, without following itself."""
+    while leader and leader != follower:
+        leader = (known[leader].follows or ("",))[0]
+    return known[follower].follows is None and not leader
 
 
 def _geometry(

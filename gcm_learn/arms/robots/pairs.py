@@ -14,11 +14,11 @@ ALWAYS = 0.95
 
 
 def frames_at(model: ChainModel, joints: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return rotations (n + 1, m, 3, 3) and places (n + 1, m, 3) of all frames at m postures."""
-    count = len(joints)
-    rotation, place = np.broadcast_to(np.eye(3), (count, 3, 3)), np.zeros((count, 3))
-    rotations, places = [rotation], [place]
+    """Return rotations (k + 1, m, 3, 3) and places (k + 1, m, 3) of all frames at m postures."""
+    count, joints = len(joints), model.values(joints)
+    rotations, places = [np.broadcast_to(np.eye(3), (count, 3, 3))], [np.zeros((count, 3))]
     for k, joint in enumerate(model.joints):
+        rotation, place = rotations[model.parent(k)], places[model.parent(k)]
         place = place + rotation @ np.array(joint.origin)
         rotation = rotation @ Rotation.from_quat(joint.rotation, scalar_first=True).as_matrix()
         moved = joints[:, k, None] * np.array(joint.axis)
@@ -43,7 +43,7 @@ def checked_pairs(model: ChainModel, seed: int = 0) -> tuple[tuple[int, int], ..
     seed : int
         Of the sample.
     """
-    low, high = np.array([joint.range for joint in model.joints]).T
+    low, high = np.array(model.ranges).T
     joints = seeding.rng(seed, 27).uniform(low, high, (POSTURES, model.dof))
     rotations, places = frames_at(model, joints)
     ends = [
@@ -57,7 +57,8 @@ def checked_pairs(model: ChainModel, seed: int = 0) -> tuple[tuple[int, int], ..
     for i, first in enumerate(model.links):
         for j in range(i + 1, len(model.links)):
             second = model.links[j]
-            if abs(first.joint - second.joint) <= 1:
+            low, high = sorted((first.joint, second.joint))
+            if low == high or model.parent(high - 1) == low:
                 continue
             gap = segment_distance(*ends[i], *ends[j]) - first.radius - second.radius
             if 0.0 < np.mean(gap < 0.0) < ALWAYS:

@@ -116,10 +116,21 @@ class RobotJoint(NamedTuple):
     """Lowest and highest value [rad or lengths]."""
     max_speed: float | None = None
     follows: tuple[str, float, float] | None = None
-    """Joint that this one follows, and the factor and offset of its value."""
+    """Joint that this one follows, and the factor and offset of its value.
+
+    The name does not matter where the factor is 0."""
     drive: Drive = Drive()
     soft: bool = False
     """True if the range is narrower than the file's, by its soft limits."""
+
+
+class Tie(NamedTuple):
+    """Bond of links or joints that no chain can keep."""
+
+    reason: str
+    """Line that names it."""
+    links: tuple[str, ...] = ()
+    joints: tuple[str, ...] = ()
 
 
 class Robot(NamedTuple):
@@ -130,6 +141,8 @@ class Robot(NamedTuple):
     joints: Sequence[RobotJoint]
     notes: tuple[str, ...] = ()
     """Parts of the file that were left out, a line each."""
+    ties: tuple[Tie, ...] = ()
+    """Bonds that matter where the chain moves what they hold."""
 
     def remarks(self, chain: Collection[str]) -> Iterator[str]:
         """Yield lines on what was left out, narrowed of joints on a chain, or may be wrong."""
