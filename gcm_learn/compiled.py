@@ -3,25 +3,31 @@
 Numba renews a cached function when its own file changes, but not when a function that it calls
 does.  It keeps code beside the sources, where an installed package must not write.  Here code lies
 in the user's cache folder, under the hash of a module's source and of all modules of this package
-that it imports.  A change renews what depends on it, and equal sources share their code.
+that it imports.  A change renews what depends on it, and equal sources share their code.  Each file
+holds the code for one list of types of arguments, under a hash of these types and of the sources
+behind them.  Code that cannot be read is compiled.
 """
 
 from __future__ import annotations
 
 import contextlib
 import gc
-import os
+import pickle
 import re
 import sys
+import tempfile
 import time
+import zlib
 from collections.abc import Callable, Iterator, Sequence
 from functools import cache, cached_property
 from pathlib import Path
 from typing import Any
 
+from numba import __version__ as NUMBA
 from numba.core import config
-from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile
+from numba.core.caching import CompileResultCacheImpl, FunctionCache
 from numba.core.registry import CPUDispatcher
+from numba.core.serialize import dumps
 from numba.core.types.misc import unliteral
 
 from gcm_learn import storage
@@ -31,7 +37,6 @@ from gcm_learn.parts import PartCompiler, WholeCompiler, loading
 replace_numbas()
 
 PACKAGE = Path(__file__).parent
-LOCK = "saving.lock"  # in a folder of compiled code
 STARTED = time.time()
 UNCALLED = tuple(
     f"gcm_learn.{name}"
@@ -39,14 +44,33 @@ UNCALLED = tuple(
 )
 """Modules in which no kernel calls anything."""
 PATIENCE = 1.0  # of compiling, after which it is announced [s]
-NOTICE = "gcm-learn: compiling for this machine, a minute or less; later runs start at once"
+NOTICE = (
+    "gcm-learn: compiling for this kind of arm and planner, one or two minutes, once; "
+    "another kind or planner compiles again"
+)
+UNKEPT = (
+    "gcm-learn: compiled code cannot be kept in {folder} ({reason}): every run compiles again; "
+    "NUMBA_CACHE_DIR names another folder"
+)
 
 
 def say_compiling() -> None:
     """Announce on standard error that code is compiled; a terminal's line of progress is wiped."""
     if sys.stderr is not None:
         wipe = "\r\x1b[K" if sys.stderr.isatty() else ""
-        print(f"{wipe}{NOTICE}", file=sys.stderr, flush=True)
+        lines = "\n".join([NOTICE, *_unkept()])
+        print(f"{wipe}{lines}", file=sys.stderr, flush=True)
+
+
+def _unkept() -> Iterator[str]:
+    """Yield the sentence on a folder in which nothing can be written."""
+    place = folder()
+    try:
+        place.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=place, buffering=0) as stream:
+            stream.write(bytes(4096))
+    except OSError as error:
+        yield UNKEPT.format(folder=place, reason=error.strerror or error)
 
 
 on_compile: list[Callable[[], object]] = [say_compiling]
@@ -146,13 +170,13 @@ def _is_ours(module: str) -> bool:
     return module.partition(".")[0] == "gcm_learn"
 
 
-def _all_ours(given: Any) -> bool:
-    """Return whether all named tuples among types of arguments, and within them, are ours."""
+def _modules_of(given: Any) -> Iterator[str]:
+    """Yield the modules of all named tuples among types of arguments, and within them."""
     made = getattr(given, "instance_class", None)
-    if made is not None and not _is_ours(made.__module__):
-        return False
-    inside = getattr(given, "types", given if isinstance(given, tuple) else ())
-    return all(_all_ours(part) for part in inside)
+    if made is not None:
+        yield str(made.__module__)
+    for part in getattr(given, "types", given if isinstance(given, tuple) else ()):
+        yield from _modules_of(part)
 
 
 def folder() -> Path:
@@ -259,22 +283,44 @@ class _CacheImpl(CompileResultCacheImpl):
     _locator_classes = (_Locator,)
 
 
-class _CacheFile(IndexDataCacheFile):
-    """Lets processes that compile at once save one after the other.
+class _CacheFile:
+    """Files with the code of one function, each with a checksum; numba's have an index beside.
 
-    A function's index is read, added to and written back. Of two processes that do so at once one
-    entry is lost, or both number their code alike and one is kept under the other's name.
+    An index has to be locked while it is written. In numba's there are types that another
+    checkout of the package may not know.
+
+    Parameters
+    ----------
+    path : str
+        Folder.
+    name : str
+        With which names of files begin.
     """
 
-    def save(self, key: Any, data: Any) -> None:
-        """Save a new entry."""
-        from filelock import FileLock
+    def __init__(self, path: str, name: str) -> None:
+        self._path, self._name = Path(path), name
 
-        with contextlib.ExitStack() as stack:
-            with contextlib.suppress(OSError):  # saving itself says what is wrong with the folder
-                if os.path.isdir(self._cache_path):  # the lock would make it
-                    stack.enter_context(FileLock(os.path.join(self._cache_path, LOCK)))
-            super().save(key, data)
+    def _of(self, key: str) -> Path:
+        return self._path / f"{self._name}.{key}.nbc"
+
+    def load(self, key: str) -> Any:
+        """Return the data that is kept under a key; None if it is missing or damaged."""
+        try:
+            data = memoryview(self._of(key).read_bytes())
+        except FileNotFoundError:
+            return None
+        whole = data[:4] == zlib.crc32(data[4:]).to_bytes(4, "little")
+        return pickle.loads(data[4:]) if whole else None
+
+    def save(self, key: str, data: Any) -> None:
+        """Keep something under a key, in place of what is there."""
+        code = dumps(data)
+        storage.write_whole(self._of(key), zlib.crc32(code).to_bytes(4, "little") + code)
+
+    def flush(self) -> None:
+        """Remove all, as numba asks for before it compiles anew."""
+        for path in self._path.glob(f"{self._name}.*.nbc"):
+            path.unlink(missing_ok=True)
 
 
 class _Cache(FunctionCache):
@@ -288,22 +334,30 @@ class _Cache(FunctionCache):
 
     def __init__(self, py_func: Callable[..., Any]) -> None:
         super().__init__(py_func)
-        self._cache_file = _CacheFile(
-            self._cache_path, self._impl.filename_base, self._impl.locator.get_source_stamp()
-        )
+        self._cache_file = _CacheFile(self._cache_path, self._impl.filename_base)
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """Return the code of a signature; None where it has to be compiled."""
-        code = super().load_overload(sig, target_context) if _all_ours(_arguments(sig)) else None
+        code = None
+        with contextlib.suppress(Exception):  # whatever is wrong with what is kept
+            if _may_keep(sig):
+                code = super().load_overload(sig, target_context)
         if code is None:
             _tell_listeners()
         return code
 
     def save_overload(self, sig: Any, data: Any) -> None:
-        """Keep the code of a signature; where the folder cannot be written to it is not kept."""
-        if _all_ours(_arguments(sig)):
-            with contextlib.suppress(OSError):
+        """Keep the code of a signature; where that cannot be done it is not kept."""
+        with contextlib.suppress(Exception):
+            if _may_keep(sig):
                 super().save_overload(sig, data)
+
+    def _index_key(self, sig: Any, codegen: Any) -> str:
+        """Return a hash of types of arguments, of the sources behind them, and of the machine."""
+        known = [(module, source_hash(module)) for module in _modules_of(_arguments(sig))]
+        types = [str(given) for given in _arguments(sig)]
+        _, *machine = super()._index_key(None, codegen)
+        return storage.content_hash(repr((types, known, machine, NUMBA)))[:24]
 
 
 class _PartImpl(_CacheImpl):
@@ -328,3 +382,8 @@ class _PartCache(_Cache):
 def _arguments(sig: Any) -> tuple[Any, ...]:
     """Return the types of a signature's arguments."""
     return tuple(getattr(sig, "args", sig))
+
+
+def _may_keep(sig: Any) -> bool:
+    """Return whether the sources behind all types of arguments are ours, and known."""
+    return all(_is_ours(m) and not is_edited(m) for m in set(_modules_of(_arguments(sig))))

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import shutil
+import subprocess
+import sys
 import textwrap
+import zlib
 from concurrent.futures import ThreadPoolExecutor
 from typing import NamedTuple
 
@@ -15,24 +19,21 @@ from gcm_learn import compiled
 
 
 def test_many_who_save_at_once_lose_nothing(tmp_path):
-    """Threads stand for processes: each opens the lock and the files for itself."""
-    keys = [f"signature {k}" for k in range(60)]
+    """Threads stand for processes: each opens the files for itself. All save everything."""
+    keys = [f"signature {k}" for k in range(20)]
 
     def save(key):
-        compiled._CacheFile(str(tmp_path), "kernel", "stamp").save(key, f"code of {key}")
+        cache = compiled._CacheFile(str(tmp_path), "kernel")
+        cache.save(key, f"code of {key}")
+        return cache.load(key)
 
     with ThreadPoolExecutor(6) as pool:
-        list(pool.map(save, keys))
-    cache = compiled._CacheFile(str(tmp_path), "kernel", "stamp")
+        found = list(pool.map(save, 3 * keys))
+    assert found == 3 * [f"code of {key}" for key in keys]
+    cache = compiled._CacheFile(str(tmp_path), "kernel")
     assert [cache.load(key) for key in keys] == [f"code of {key}" for key in keys]
-
-
-def test_a_folder_that_cannot_be_is_said_by_saving_itself(tmp_path):
-    (tmp_path / "file").touch()
-    inside = compiled._CacheFile(str(tmp_path / "file"), "kernel", "stamp")
-    with pytest.raises(OSError, match="kernel") as error:
-        inside.save("signature", "code")
-    assert compiled.LOCK not in str(error.value) and (tmp_path / "file").is_file()
+    cache.flush()
+    assert cache.load(keys[0]) is None and not list(tmp_path.iterdir())
 
 
 @pytest.fixture
@@ -65,8 +66,159 @@ def test_compiling_is_announced_when_it_takes_its_time(monkeypatch, capsys):
     assert capsys.readouterr().err == f"{compiled.NOTICE}\n"
 
 
+def test_the_notice_is_no_promise_for_other_arms():
+    for words in ("this kind of arm and planner", "minute", "another", "again"):
+        assert words in compiled.NOTICE
+    assert "later runs" not in compiled.NOTICE
+
+
+def test_a_place_that_cannot_be_written_to_is_named_with_the_way_out(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(compiled.config, "CACHE_DIR", str(tmp_path / "kernels"))
+    compiled.say_compiling()
+    assert capsys.readouterr().err == f"{compiled.NOTICE}\n"
+    (tmp_path / "file").touch()
+    monkeypatch.setattr(compiled.config, "CACHE_DIR", str(tmp_path / "file"))
+    compiled.say_compiling()
+    notice, unkept = capsys.readouterr().err.splitlines()
+    assert notice == compiled.NOTICE
+    assert f"cannot be kept in {tmp_path / 'file'} (" in unkept and "every run" in unkept
+    assert "NUMBA_CACHE_DIR" in unkept
+
+
 def doubled(x):
     return x + x
+
+
+def answers(ours, x):
+    """Call the function as a new process would; return what was compiled."""
+    made = compiled.njit(ours[0])
+    assert made(x) == 2 * x
+    KEPT.append(made)  # numba finds what belongs to a module that is none while it lives
+    return sum(made.stats.cache_misses.values())
+
+
+KEPT: list[object] = []
+
+
+def kept_files(ours):
+    return sorted(ours[1].rglob("*.nb*"))
+
+
+def emptied(path):
+    path.write_bytes(b"")
+
+
+def cut(path):
+    path.write_bytes(path.read_bytes()[:-7])
+
+
+def flipped(path):
+    data = bytearray(path.read_bytes())
+    data[len(data) // 2] ^= 1
+    path.write_bytes(data)
+
+
+def garbage(path):
+    path.write_bytes(b"junk" * 100)
+
+
+def unknown(path):
+    """Code that names a module which is not there."""
+    code = b"cgcm_learn.arms.newer_limb\nNewer\n."
+    path.write_bytes(zlib.crc32(code).to_bytes(4, "little") + code)
+
+
+def in_the_way(path):
+    path.unlink()
+    path.mkdir()
+
+
+def gone(path):
+    shutil.rmtree(path.parent, ignore_errors=True)
+
+
+@pytest.mark.parametrize(
+    "damage", [emptied, cut, flipped, garbage, unknown, in_the_way, gone], ids=lambda f: f.__name__
+)
+def test_damaged_code_is_compiled_and_kept_anew(ours, damage):
+    assert answers(ours, 2) == 1 and answers(ours, 2) == 0
+    for path in kept_files(ours):
+        damage(path)
+    assert answers(ours, 2) == 1
+    assert answers(ours, 2) == (damage is in_the_way)
+
+
+def full(*_, **__):
+    raise OSError(errno.ENOSPC, "No space left on device")
+
+
+def denied(*_, **__):
+    raise PermissionError(errno.EACCES, "Permission denied")
+
+
+@pytest.mark.parametrize("failure", [full, denied])
+@pytest.mark.parametrize("step", ["mkdir", "read_bytes", "write_bytes"])
+def test_a_folder_without_rights_or_room_does_not_stop(ours, monkeypatch, step, failure):
+    assert answers(ours, 2) == 1
+    with monkeypatch.context() as broken:
+        broken.setattr(type(ours[1]), step, failure)
+        assert answers(ours, 2) == (step == "read_bytes")
+        assert answers(ours, 0.5) == 1
+        assert answers(ours, 0.5) == 1  # again
+    assert answers(ours, 2) == 0
+
+
+def test_a_file_in_place_of_the_folder_does_not_stop(ours, monkeypatch):
+    (ours[1] / "file").touch()
+    monkeypatch.setattr(compiled.config, "CACHE_DIR", str(ours[1] / "file"))
+    assert answers(ours, 2) == 1 and answers(ours, 2) == 1
+
+
+CHECKOUT = """
+from typing import NamedTuple
+from gcm_learn.compiled import njit
+from gcm_learn.arms import kernel
+class Limb(NamedTuple):
+    length: float
+    width: float
+def use():
+    print(kernel.length(Limb(3.0, 4.0)), *kernel.length.stats.cache_hits.values())
+"""
+KERNEL = """
+from gcm_learn.compiled import njit
+@njit
+def length(limb):
+    return limb.length
+"""
+
+
+def test_checkouts_share_code_and_do_not_stop_each_other(tmp_path):
+    """The second has no module of the first's limb, the third another order of its fields."""
+    limbs = {"newer": ("one", CHECKOUT), "older": ("two", CHECKOUT), "same": ("two", CHECKOUT)}
+    limbs["other"] = (
+        "two",
+        CHECKOUT.replace("length: float\n    width", "width: float\n    length"),
+    )
+    files = ("compiled", "boxing", "parts", "storage", "errors", "checks", "late")
+    said = {}
+    for name, (module, text) in limbs.items():
+        package = tmp_path / name / "gcm_learn"
+        (package / "arms").mkdir(parents=True)
+        for file in files:
+            shutil.copy(compiled.PACKAGE / f"{file}.py", package)
+        (package / "__init__.py").touch()
+        (package / "arms" / "__init__.py").touch()
+        (package / "arms" / "kernel.py").write_text(KERNEL)
+        (package / "arms" / f"{module}.py").write_text(text)
+        for path in package.rglob("*.py"):
+            os.utime(path, (1000.0, 1000.0))
+        where = {"PYTHONPATH": str(tmp_path / name), "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+        done = subprocess.run(
+            [sys.executable, "-c", f"from gcm_learn.arms import {module}; {module}.use()"],
+            cwd=tmp_path, env=os.environ | where, capture_output=True, text=True, check=True,
+        )  # fmt: skip
+        said[name] = done.stdout.split()
+    assert said == {"newer": ["3.0"], "older": ["3.0"], "same": ["3.0", "1"], "other": ["4.0"]}
 
 
 def test_what_calls_a_function_links_a_part_of_it(ours):
