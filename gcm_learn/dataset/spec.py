@@ -75,9 +75,6 @@ class DatasetSpec:
     seed: int
     count: int
     families: tuple[FamilyShare, ...]
-    arm: str | None = None
-    """Arm of all families, which are for chains: a name, or the text of an arm file. Files that a
-    specification names are replaced by their text when it is read, so it decides the digest."""
     planners: tuple[str, ...] = ("gcm", "layered")
     """Planners whose plans a record holds; each has to take the kind of arm."""
     rungs: int = 9
@@ -103,6 +100,9 @@ class DatasetSpec:
     split: Split = field(default_factory=Split)
     holdouts: tuple[Holdout, ...] = ()
     """Splits of their own, the first that fits; what fits none is split by `split`."""
+    arm: str | None = None
+    """Arm of all families, which are for chains: a name, or the text of an arm file. Files that a
+    specification names are replaced by their text when it is read, so it decides the digest."""
 
     def __post_init__(self) -> None:
         checks.name(self.name, "name")

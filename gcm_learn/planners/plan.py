@@ -219,12 +219,7 @@ def plan_to_json(plan: Plan, situation: AnySituation | None = None) -> dict[str,
     ----------
     plan : Plan
     situation : Situation, optional
-        Answered by the plan; its format is the plan's by default.
-
-    Raises
-    ------
-    ValueError
-        If neither tells the format.
+        Answered by the plan; its format is the plan's by default, which must be known then.
     """
     clearance, moves = plan.clearance, plan.trajectory
     asked = plan.format if situation is None else situation.format

@@ -27,16 +27,13 @@ def read(path: Path) -> list[Place]:
     lines = enumerate(text.split("\n"), start=1)  # other breaks may stand in a name
     filled = [(f"{path}:{k}", line) for k, line in lines if line.strip(" \t\r")]
     kind = path.suffix.lower()
-    if kind == ".json" or (kind != ".jsonl" and not (filled[1:] and _is_whole(filled[0][1]))):
-        return [(str(path), _object(text, str(path)))]
-    return [(place, _object(line, place)) for place, line in filled]
-
-
-def _is_whole(text: str) -> bool:
     try:
-        return bool(_object(text, ""))
+        whole = [] if kind == ".jsonl" else [(str(path), _object(text, str(path)))]
     except Unreadable:
-        return False
+        if kind == ".json" or len(filled) < 2:
+            raise
+        whole = []
+    return whole or [(place, _object(line, place)) for place, line in filled]
 
 
 def _object(text: str, place: str) -> dict[str, Any]:

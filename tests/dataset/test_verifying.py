@@ -106,7 +106,7 @@ def test_the_command_makes_checks_and_tells(tmp_path, capsys):
     pq.write_table(table, path)
     assert table.schema.metadata[KEY]
     assert main(["generate", str(spec), "--out", out, "--verify", "--workers", "1"]) == 1
-    assert "bytes are not those" in capsys.readouterr().err
+    assert "bytes, the manifest says" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

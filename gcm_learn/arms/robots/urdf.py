@@ -28,14 +28,7 @@ def read_urdf(
     """Read a robot from the root of a URDF file, which is changed.
 
     Its meshes are looked for in packages, see `_finder`. With `visual` links without collision
-    geometry get that of their looks.
-
-    Raises
-    ------
-    RobotError
-        One line that names the link or joint.
-    MissingExtraError
-        If a library for meshes is not installed.
+    geometry get that of their looks. Errors are those of `read_robot`.
     """
     notes = list(check(robot))
     for link in robot.findall("link") if visual else ():
@@ -130,17 +123,14 @@ def _hulls(link: str, given: Element, find: Callable[[str], Path]) -> list[Hull]
     """Return the convex parts of a collision element, in the frame of its link."""
     shape = given.findall("geometry/*")[0]
     radius, half = _number(shape, "radius"), 0.5 * _number(shape, "length")
-    match shape.tag:
-        case "sphere":
-            made = [tree.ball(radius)]
-        case "box":
-            made = [tree.box(_numbers(shape, "size"))]
-        case "cylinder":
-            made = [tree.cylinder(radius, half)]
-        case "capsule":
-            made = [tree.capsule(radius, half)]
-        case _:
-            made = _mesh(f"link {link!r}: {shape.get('filename')}", shape, find)
+    if shape.tag == "mesh":
+        made = _mesh(f"link {link!r}: {shape.get('filename')}", shape, find)
+    elif shape.tag == "box":
+        made = [tree.box(_numbers(shape, "size"))]
+    elif shape.tag == "sphere":
+        made = [tree.ball(radius)]
+    else:
+        made = [(tree.cylinder if shape.tag == "cylinder" else tree.capsule)(radius, half)]
     return [hull.moved(_pose(given)) for hull in made]
 
 
