@@ -33,6 +33,31 @@ SLIDE = {
     "self_collision": [[0, 2]],
 }  # fmt: skip
 
+LEVERS = SLIDE | {
+    "format": "gcm-learn/arm@2",
+    "name": "levers",
+    "joints": [
+        *SLIDE["joints"][:2],
+        {
+            "origin": [0, 0.1, 0.1], "axis": [1, 0, 0], "range": [-2, 2], "max_speed": 9,
+            "parent": 1, "follows": {"joint": 2, "factor": -1.5, "offset": 0.2},
+        },
+        SLIDE["joints"][2] | {"parent": 2},
+        {
+            "type": "prismatic", "origin": [0.3, 0, 0], "axis": [1, 0, 0], "range": [-2, 2],
+            "max_speed": 9, "follows": {"joint": 2, "factor": 0.5},
+        },
+    ],
+    "links": [
+        *SLIDE["links"][:2],
+        {"joint": 3, "from": [0, 0, 0], "to": [0, 0, 0.3], "radius": 0.02},
+        {"joint": 4, "from": [0.05, 0, 0], "to": [0.3, 0, 0], "radius": 0.03},
+        {"joint": 5, "from": [0, 0, 0], "to": [0.1, 0, 0], "radius": 0.02},
+    ],
+    "hand": {"joint": 5, "point": [0.1, 0, 0], "axis": [1, 0, 0]},
+}  # fmt: skip
+"""A lever beside a telescope whose second stage follows the first."""
+
 MODELS = {
     "panda": arm_to_json(shipped_arm("panda")),
     "planar-2": arm_to_json(shipped_arm("planar-2")),

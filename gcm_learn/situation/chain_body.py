@@ -70,11 +70,11 @@ class ChainBody:
         Length of the unit in which the arm is given [m].
     gravity : (3,) tuple of float
         In the world frame [m/s^2].
-    frames : (n + 1,) tuple of FrameMass
+    frames : (m + 1,) tuple of FrameMass
         Of the base and of every joint, in the order of the arm's frames. Beyond every joint there
         is something that it moves: a mass, an inertia, or its own armature.
-    joints : (n,) tuple of Motor
-        In the order of the arm's joints.
+    joints : (m,) tuple of Motor
+        In the order of the arm's joints; those of followers have no torque.
     name : str
     """
 
@@ -105,6 +105,9 @@ class ChainBody:
 
     def misfit(self, arm: Chain) -> str:
         """Say in a sentence why this is not the body of an arm; empty if it is."""
-        if arm.dof != len(self.joints):
-            return f"joints: the arm has {arm.dof}, the body has {len(self.joints)}"
+        if len(arm.model.joints) != len(self.joints):
+            return f"joints: the arm has {len(arm.model.joints)}, the body has {len(self.joints)}"
+        for k, (line, motor) in enumerate(zip(arm.model.lines, self.joints, strict=True)):
+            if not line.leads and motor.torque != 0.0:
+                return f"joints[{k}].torque: must be 0, as the joint follows another"
         return ""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
@@ -14,6 +14,7 @@ from gcm_learn.arms import (
     Base,
     ByKind,
     Chain,
+    ChainJoint,
     ChainModel,
     SpatialArm,
     forward_in_space,
@@ -64,11 +65,13 @@ class Capsule(NamedTuple):
 
 
 class Segment(NamedTuple):
-    """Rigid part of an arm, which hangs from the one before; in the arm's unit."""
+    """Rigid part of an arm, which hangs from one before; in the arm's unit."""
 
     name: str
+    parent: int
+    """Index of the segment from which it hangs; -1 for the base."""
     place: tuple[float, ...]
-    """(3,) In the frame of the segment before."""
+    """(3,) In that segment's frame."""
     turn: tuple[float, ...]
     """Quaternion w, x, y, z."""
     inertia: Inertia | None
@@ -88,7 +91,11 @@ class Mechanics:
     hand: Callable[[Any], tuple[int, tuple[float, ...], float]]
     """Return the segment that carries the hand, its place there and the radius of its ball."""
     metric: Callable[[Any, float], np.ndarray]
-    """Return metres or radians per unit of each joint (n,): (arm, metres)."""
+    """Return metres or radians per unit of each coordinate (n,): (arm, metres)."""
+    lines: Callable[[Any, float], tuple[np.ndarray, np.ndarray]]
+    """Return factors (m, n) and offsets (m,) of all joints by the coordinates: (arm, metres)."""
+    leads: Callable[[Any], tuple[bool, ...]]
+    """Return which of the joints (m,) have a coordinate, and so a motor."""
     pairs: Callable[[Any], tuple[tuple[int, int], ...]]
     """Return pairs of links that must not overlap."""
     ignored: Callable[[Any], tuple[tuple[int, str], ...]]
@@ -108,13 +115,13 @@ def _rested(arm: Any) -> Any:
 
 def _bones(arm: SpatialArm, body: ArmBody) -> list[Segment]:
     unturned, nowhere = (1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
-    made, place = [Segment("base", nowhere, unturned, None, (), ())], nowhere
+    made, place = [Segment("base", -1, nowhere, unturned, None, (), ())], nowhere
     for i, (name, end) in enumerate((("upper_arm", arm.upper_arm), ("forearm", arm.forearm))):
         bone = body.bones[i]
         inertia = Inertia(bone.mass, bone.centre, unturned, bone.inertia)
         joints = tuple(Turning("revolute", axis) for axis in AXES[2 * i : 2 * i + 2])
         link = Capsule(i, nowhere, end, arm.thickness)
-        made.append(Segment(name, place, unturned, inertia, joints, (link,)))
+        made.append(Segment(name, i, place, unturned, inertia, joints, (link,)))
         place = end
     return made
 
@@ -124,12 +131,13 @@ def _frames(arm: Chain, body: ChainBody) -> list[Segment]:
         (link.joint, Capsule(i, link.start, link.end, link.radius))
         for i, link in enumerate(arm.model.links)
     ]
-    carried = [tuple(link for k, link in links if k == at) for at in range(arm.dof + 1)]
-    base = Segment("base", (0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0), None, (), carried[0])
+    count = len(arm.model.joints)
+    carried = [tuple(link for k, link in links if k == at) for at in range(count + 1)]
+    base = Segment("base", -1, (0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0), None, (), carried[0])
     return [base] + [
         Segment(
-            f"frame{k}", joint.origin, joint.rotation, _principal(body.frames[k]),
-            (Turning(joint.type, joint.axis),), carried[k],
+            f"frame{k}", arm.model.parent(k - 1), joint.origin, joint.rotation,
+            _principal(body.frames[k]), (Turning(joint.type, joint.axis),), carried[k],
         )
         for k, joint in enumerate(arm.model.joints, 1)
     ]  # fmt: skip
@@ -156,7 +164,16 @@ def _hand_of_chain(arm: Chain) -> tuple[int, tuple[float, ...], float]:
 
 
 def _metric_of_chain(arm: Chain, metres: float) -> np.ndarray:
-    return np.array([metres if j.type == "prismatic" else 1.0 for j in arm.model.joints])
+    return _metric(arm.model.coordinates, metres)
+
+
+def _metric(joints: Sequence[ChainJoint], metres: float) -> np.ndarray:
+    return np.array([metres if joint.type == "prismatic" else 1.0 for joint in joints])
+
+
+def _lines_of_chain(arm: Chain, metres: float) -> tuple[np.ndarray, np.ndarray]:
+    every, offsets = _metric(arm.model.joints, metres), [line.offset for line in arm.model.lines]
+    return arm.model.factors * every[:, None] / _metric_of_chain(arm, metres), every * offsets
 
 
 def _elbow_and_hand(arm: SpatialArm, joints: np.ndarray) -> np.ndarray:
@@ -182,7 +199,10 @@ def same_joints(one: ChainModel, other: ChainModel) -> bool:
                   for joint in model.joints])
         for model in (one, other)
     ]  # fmt: skip
-    types = [[joint.type for joint in model.joints] for model in (one, other)]
+    types = [
+        [(joint.type, model.parent(k), model.lines[k]) for k, joint in enumerate(model.joints)]
+        for model in (one, other)
+    ]
     return types[0] == types[1] and bool(np.abs(numbers[0] - numbers[1]).max() <= EQUAL)
 
 
@@ -193,6 +213,8 @@ MECHANICS = ByKind(
             segments=_bones,
             hand=_end_of_forearm,
             metric=lambda arm, metres: np.ones(len(arm.joints)),
+            lines=lambda arm, metres: (np.eye(len(arm.joints)), np.zeros(len(arm.joints))),
+            leads=lambda arm: (True,) * len(arm.joints),
             pairs=lambda arm: (),
             ignored=lambda arm: (),
             format=ArmBody.format,
@@ -204,6 +226,8 @@ MECHANICS = ByKind(
             segments=_frames,
             hand=_hand_of_chain,
             metric=_metric_of_chain,
+            lines=_lines_of_chain,
+            leads=lambda arm: tuple(line.leads for line in arm.model.lines),
             pairs=lambda arm: arm.model.self_collision,
             ignored=lambda arm: arm.ignored,
             format=ChainBody.format,
@@ -223,6 +247,12 @@ def misfit(arm: Any, body: AnyArmBody) -> str:
         return f"is of format {body.format}, and {kind_of(arm).plural} need {wanted}"
     fitting: Any = body
     return str(fitting.misfit(arm))
+
+
+def strongest(arm: Any, body: AnyArmBody) -> np.ndarray:
+    """Return the torques (n,) of the motors, of which each coordinate has one [N m]."""
+    both = zip(body.joints, MECHANICS.of(arm).leads(arm), strict=True)
+    return np.array([motor.torque for motor, leads in both if leads])
 
 
 def rested(arm: Any, body: AnyArmBody) -> tuple[Any, Any]:

@@ -18,7 +18,7 @@ import numpy as np
 
 from gcm_learn.arms import rotation_of
 from gcm_learn.errors import MissingExtraError, PhysicsError
-from gcm_learn.execution.body.kinds import MECHANICS, Capsule, Segment, Turning, rested
+from gcm_learn.execution.body.kinds import MECHANICS, Capsule, Segment, Turning, rested, strongest
 from gcm_learn.situation import AnyArmBody, Body, Motor, Shape, numbers_of
 
 STEP = 0.002
@@ -31,6 +31,8 @@ STUCK = 1e-6
 """Way of joints whose range is a single value [rad or m]."""
 LIGHTEST = {"boundmass": 1e-12, "boundinertia": 1e-14}
 """Mass and inertia of segments that have none [kg, kg m^2]."""
+RIGID = {"solref": (2.0 * STEP, 1.0), "solimp": (0.999, 0.9999, 1e-3)}
+"""Bonds of followers to their leaders, as stiff as the step allows."""
 GEOMS = ("sphere", "box", "capsule", "cylinder")  # shapes whose names and sizes MuJoCo shares
 TYPES = {"revolute": "hinge", "prismatic": "slide"}
 LINK, CATCHER = -1, -2  # codes of geometries that are no body's; those of bodies are their numbers
@@ -84,9 +86,18 @@ def model_xml(arm: Any, body: AnyArmBody, things: Sequence[Body | Thing] | None 
         _add_thing(world, thing, f"body{k}", body.metres)
     if things is not None:
         _add_pairs(_add(root, "contact"), arm, body, things)
-    motors = _add(root, "actuator")
-    for j in range(len(body.joints)):
-        _add(motors, "general", name=f"motor{j}", joint=f"joint{j}", biastype="affine")
+    motors, bonds = _add(root, "actuator"), _add(root, "equality")
+    leads = MECHANICS.of(arm).leads(arm)
+    factors, offsets = MECHANICS.of(arm).lines(arm, body.metres)
+    leaders = np.flatnonzero(leads)
+    for j, row in enumerate(factors):
+        if leads[j]:
+            _add(motors, "general", name=f"motor{j}", joint=f"joint{j}", biastype="affine")
+        elif not alone:
+            k = int(np.argmax(np.abs(row)))
+            line = (offsets[j], row[k], 0.0, 0.0, 0.0)
+            _add(bonds, "joint", joint1=f"joint{j}", joint2=f"joint{leaders[k]}", polycoef=line,
+                 **RIGID)  # fmt: skip
     return Xml.tostring(root, encoding="unicode")
 
 
@@ -114,11 +125,39 @@ def model_of(arm: Any, body: AnyArmBody, bodies: Sequence[Body]) -> Any:
 @lru_cache(maxsize=256)
 def _kept(arm: Any, body: AnyArmBody, things: tuple[Thing, ...]) -> Any:
     model = compiled(model_xml(arm, body, things))
-    most = np.array([motor.torque for motor in body.joints])
+    most = strongest(arm, body)
     model.actuator_gainprm[:, 0] = 1.0
     model.actuator_forcelimited[:] = 1  # a torque of 0 is a limit, too
     model.actuator_forcerange[:] = np.stack([-most, most], axis=1)
     return model
+
+
+class Coupling(NamedTuple):
+    """State of all joints of a model by the coordinates, in MuJoCo's order and units."""
+
+    factors: np.ndarray  # (m, n)
+    offsets: np.ndarray  # (m,)
+    own: Any  # index of the coordinates among the joints
+
+    @property
+    def count(self) -> int:
+        """Number m of joints; targets come after them."""
+        return len(self.offsets)
+
+    def place(self, data: Any, joints: np.ndarray, rates: np.ndarray) -> None:
+        """Write the state of all joints at coordinates and rates (n,), in MuJoCo's units."""
+        data.qpos[: self.count] = self.factors @ joints + self.offsets
+        data.qvel[: self.count] = self.factors @ rates
+
+
+def coupling_of(model: Any, arm: Any, metres: float) -> Coupling:
+    """The coupling of an arm's joints in a model of it, which orders them branch by branch."""
+    mechanics = MECHANICS.of(arm)
+    factors, offsets = mechanics.lines(arm, metres)
+    at = np.array([int(model.joint(f"joint{j}").qposadr[0]) for j in range(len(factors))])
+    order, own = np.argsort(at), at[np.flatnonzero(mechanics.leads(arm))]
+    plain = len(own) == len(at) and bool((np.diff(at) == 1).all())
+    return Coupling(factors[order], offsets[order], slice(0, len(own)) if plain else own)
 
 
 def codes_of(model: Any, bodies: int) -> list[int]:
@@ -140,12 +179,17 @@ def codes_of(model: Any, bodies: int) -> list[int]:
 def _add_arm(world: Xml.Element, arm: Any, body: AnyArmBody, alone: bool) -> None:
     mechanics = MECHANICS.of(arm)
     carrier, point, ball = mechanics.hand(arm)
-    metric, parent, j = mechanics.metric(arm, body.metres), world, 0
+    metric, j = mechanics.metric(arm, body.metres), 0
+    leads, left = mechanics.leads(arm), list(zip(arm.joint_range, metric, strict=True))[::-1]
+    made: list[Xml.Element] = []
     for k, segment in enumerate(mechanics.segments(arm, body)):
+        parent = world if segment.parent < 0 else made[segment.parent]
         if segment.inertia is not None:
             parent = _add_segment(parent, segment, body.metres)
+        made.append(parent)
         for joint in segment.joints:
-            limits = {} if alone else {"range": _range(arm.joint_range[j], metric[j])}
+            own = left.pop() if leads[j] else None
+            limits = {} if alone or own is None else {"range": _range(*own)}
             _add_joint(parent, f"joint{j}", joint, body.joints[j], limits)
             j += 1
         if not alone:

@@ -10,8 +10,8 @@ import numpy as np
 
 from gcm_learn import seeding
 from gcm_learn.errors import PhysicsError
-from gcm_learn.execution.body.kinds import MECHANICS, rested
-from gcm_learn.execution.body.model import compiled, model_xml, mujoco
+from gcm_learn.execution.body.kinds import MECHANICS, rested, strongest
+from gcm_learn.execution.body.model import compiled, coupling_of, model_xml, mujoco
 from gcm_learn.situation import AnyArmBody, Situation
 
 SAMPLES = 400
@@ -41,6 +41,8 @@ class Load:
 class Dynamics:
     """Inverse dynamics of an arm alone, without limits and contacts.
 
+    Motors move followers, too: their torques count by the factors of their lines.
+
     Joints and torques are in the arm's units: of a prismatic joint lengths and N.
 
     Parameters
@@ -53,6 +55,7 @@ class Dynamics:
         self._model = compiled(model_xml(arm, body))
         self._data = mujoco().MjData(self._model)
         self._metric = MECHANICS.of(arm).metric(arm, body.metres)
+        self._coupling = coupling_of(self._model, arm, body.metres)
 
     def torques(self, joints: np.ndarray, rates: np.ndarray, forces: np.ndarray) -> np.ndarray:
         """Torques (n, dof) [N m] that give accelerations.
@@ -63,13 +66,15 @@ class Dynamics:
             Angles, rates and accelerations.
         """
         model, data, inverse = self._model, self._data, mujoco().mj_inverse
-        states = (values * self._metric for values in (joints, rates, forces))
+        factors, offsets, _ = self._coupling
+        states = [(values * self._metric) @ factors.T for values in (joints, rates, forces)]
+        states[0] += offsets
         qpos, qvel, qacc, force = data.qpos, data.qvel, data.qacc, data.qfrc_inverse
         out = np.empty(np.shape(joints))
         for at, moving, asked, row in zip(*states, out, strict=True):
             qpos[:], qvel[:], qacc[:] = at, moving, asked
             inverse(model, data)
-            row[:] = force
+            row[:] = force @ factors
         return out
 
     def inertia(self, joints: np.ndarray) -> np.ndarray:
@@ -114,7 +119,7 @@ def motor_accelerations(arm: Any, body: AnyArmBody) -> np.ndarray:
 
 @lru_cache(maxsize=64)
 def _limits(arm: Any, body: AnyArmBody) -> tuple[float, ...]:
-    load, torque = load_of(arm, body), np.array([motor.torque for motor in body.joints])
+    load, torque = load_of(arm, body), strongest(arm, body)
     alone = torque / np.median(np.einsum("njj->nj", load.inertia), axis=0)
     asked = np.maximum(np.abs(load.inertia) @ alone, FAINT)
     share = ((SHARE * torque - np.abs(load.bias)) / asked).min(axis=1)

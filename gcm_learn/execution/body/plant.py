@@ -13,9 +13,9 @@ from gcm_learn.execution.arena.kernels.world import CAUGHT, COLLIDED, GONE, RUNN
 from gcm_learn.execution.arena.wanted import Catch, wanted_of
 from gcm_learn.execution.body.control import Controller, following
 from gcm_learn.execution.body.judging import first_met_in, grasped
-from gcm_learn.execution.body.kinds import MECHANICS, misfit
+from gcm_learn.execution.body.kinds import MECHANICS, misfit, strongest
 from gcm_learn.execution.body.laws import Laws, laws
-from gcm_learn.execution.body.model import CATCHER, STEP, codes_of, model_of, mujoco
+from gcm_learn.execution.body.model import CATCHER, STEP, codes_of, coupling_of, model_of, mujoco
 from gcm_learn.motion import Movement
 from gcm_learn.scene import PART, pack
 from gcm_learn.situation import AnyArmBody, Situation
@@ -85,11 +85,12 @@ class PhysicalPlant:
         self.fastest = np.array(situation.arm.max_joint_speed)
         """Of the joints (dof,) [rad/s; lengths/s of prismatic ones, as in all logs]."""
         self.metric = MECHANICS.of(situation).metric(situation.arm, body.metres)
-        """Metres or radians of MuJoCo per unit of each joint (dof,)."""
-        self.strongest = np.array([motor.torque for motor in body.joints])
+        """Metres or radians of MuJoCo per unit of each coordinate (dof,)."""
+        self.strongest = strongest(situation.arm, body)
         """Torques of the motors (dof,) [N m]."""
         self.motors = following(controller, situation.arm, believed or body)
         self._model = model_of(situation.arm, body, situation.bodies)
+        self._coupling = coupling_of(self._model, situation.arm, body.metres)
         self._codes = codes_of(self._model, len(situation.bodies))
         self._data = mujoco().MjData(self._model)
         count = round((situation.horizon + AFTER) / STEP) + 1
@@ -132,8 +133,9 @@ class PhysicalPlant:
             self._law = Laws(self._laws.obstacles, self._laws.turns, *tables)
         arm, data, dof = self.situation.arm, self._data, len(self.fastest)
         rates = np.array(arm.joint_rates or (0.0,) * dof)
-        data.qpos[:dof], data.qvel[:dof] = arm.joints * self.metric, rates * self.metric
-        data.qpos[dof:], data.qvel[dof:] = self._laws.targets[0], self._laws.moves[0]
+        self._coupling.place(data, arm.joints * self.metric, rates * self.metric)
+        m = self._coupling.count
+        data.qpos[m:], data.qvel[m:] = self._laws.targets[0], self._laws.moves[0]
         self.joints_log[0], self.rates_log[0] = arm.joints, rates
         self.targets_log[0] = self._laws.targets[0]
         self._judge(0, None)
@@ -276,8 +278,8 @@ class PhysicalPlant:
         first, last = self.steps, self.steps + len(commands)
         inside, after = slice(first, last), slice(first + 1, last + 1)
         qpos, qvel, ctrl, force = data.qpos, data.qvel, data.ctrl, data.actuator_force
-        places, turns, dof = data.mocap_pos, data.mocap_quat, len(self.fastest)
-        at, moving = qpos[dof:], qvel[dof:]
+        places, turns, own = data.mocap_pos, data.mocap_quat, self._coupling.own
+        at, moving = qpos[self._coupling.count :], qvel[self._coupling.count :]
         found, law = None, [table[inside] for table in self._law]
         held = dict.fromkeys(self._held, last)  # until which step each target is
         rows = zip(
@@ -286,7 +288,7 @@ class PhysicalPlant:
         top, slope = self.fastest * self.metric, BRINK * self.motors.inertia / STEP / self.metric
         for k, (command, place, turn, target, move, torque, state, speed) in enumerate(rows, first):
             if pushed:
-                _spare(command, qvel, top, slope)
+                _spare(command, qvel[own], top, slope)
             ctrl[:], places[:], turns[:] = command, place, turn
             if len(self._held) == len(self._numbers):
                 at[:], moving[:] = target, move
@@ -302,9 +304,9 @@ class PhysicalPlant:
                 if found is None and limb is not None:
                     found = limb, k
         self.steps, n = last, last - first
-        self.joints_log[after] = self._states[:n, :dof] / self.metric
-        self.rates_log[after] = self._speeds[:n, :dof] / self.metric
-        self.targets_log[after] = self._states[:n, dof:]
+        self.joints_log[after] = self._states[:n, own] / self.metric
+        self.rates_log[after] = self._speeds[:n, own] / self.metric
+        self.targets_log[after] = self._states[:n, self._coupling.count :]
         self._log_held(first, last, held)
         if data.warning.number.any() or not np.isfinite(self.joints_log[self.steps]).all():
             raise PhysicsError(f"physics: some numbers are not finite at t = {self.time:.3f} s")

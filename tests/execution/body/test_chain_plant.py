@@ -19,7 +19,7 @@ from gcm_learn.execution import (
     with_motor_limits,
 )
 from gcm_learn.execution.arena.kernels.world import CAUGHT, COLLIDED, LATE
-from gcm_learn.execution.body.model import STEP, compiled, model_xml, mujoco
+from gcm_learn.execution.body.model import STEP, compiled, coupling_of, model_xml, mujoco
 from gcm_learn.execution.body.motors import Dynamics
 from gcm_learn.motion import Movement
 from gcm_learn.planners import Plan
@@ -35,7 +35,7 @@ from gcm_learn.situation import (
     arm_from_json,
     shipped_arm,
 )
-from tests.chains import SLIDE
+from tests.chains import LEVERS, SLIDE
 
 TURNED = Base((0.5, -0.2, 0.1), (0.5, -0.5, 0.1, np.sqrt(1.0 - 0.51)))
 READY = (0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785)
@@ -47,7 +47,17 @@ CRANE_BODY = ChainBody(
     + tuple(FrameMass(1.0 + k, (0.02 * k, 0.03, -0.01), ROD) for k in range(3)),
     (Motor(40.0, 0.1, 0.5), Motor(90.0, 0.5, 3.0), Motor(20.0, 0.05)), "crane",
 )  # fmt: skip
-ARMS = {"panda": (PANDA, read_body("panda")), "crane": (CRANE, CRANE_BODY)}
+TREE = Chain(arm_from_json(LEVERS), (0.4, 0.25, -0.7), 0.02)
+TREE_BODY = ChainBody(
+    0.5, (0.0, 0.0, -9.81), (FrameMass(0.0, (0.0, 0.0, 0.0), ((0.0,) * 3,) * 3),)
+    + tuple(FrameMass(1.0 + k, (0.02 * k, 0.03, -0.01), ROD) for k in range(5)),
+    (Motor(60.0, 0.1, 0.5), Motor(300.0, 0.5, 3.0), Motor(0.0, 0.1, 0.1), Motor(40.0, 0.05),
+     Motor(0.0)), "levers",
+)  # fmt: skip
+"""MuJoCo's order of its joints is another: the lever is last."""
+ARMS = {
+    "panda": (PANDA, read_body("panda")), "crane": (CRANE, CRANE_BODY), "tree": (TREE, TREE_BODY),
+}  # fmt: skip
 
 
 def still(place, role="obstacle", radius=0.02, name="ball", **more):
@@ -75,8 +85,9 @@ def test_links_and_hands_are_where_the_contract_has_them(name):
     arm = replace(arm, base=TURNED)
     model = compiled(model_xml(arm, body, [still((1.0, 0.0, 0.0))]))
     data, metric = mujoco().MjData(model), PhysicalPlant(among(arm), body).metric
+    coupling = coupling_of(model, arm, body.metres)
     for q in postures(arm, 4):
-        data.qpos[: arm.dof] = q * metric
+        coupling.place(data, q * metric, 0.0 * q)
         mujoco().mj_kinematics(model, data)
         ends, hand = links_along(arm, q)[0][0], hands_along(arm, q)[0][0]
         turn, origin = rotation_of(TURNED.rotation), np.array(TURNED.origin)
@@ -122,7 +133,7 @@ def test_energy_is_kept_without_motors_and_damping(name):
     kinetic, potential = [], []
     for k in range(0, plant.steps + 1, 8):
         rates, matrix = plant.rates_log[k], dynamics.inertia(plant.joints_log[k])
-        kinetic.append(0.5 * (metric * rates) @ matrix @ rates)
+        kinetic.append(0.5 * rates @ matrix @ (metric * rates))
         potential.append(height(plant.situation.arm, body, plant.joints_log[k]))
     assert kinetic[-1] > 0.5
     total = np.add(kinetic, potential)
@@ -156,7 +167,7 @@ def swing(arm, limits, share=0.9):
     return Movement(arm, times, start + np.vstack([0.0 * start, np.cumsum(steps, axis=0)]), rates)
 
 
-@pytest.mark.parametrize(("name", "error"), [("panda", 5e-4), ("crane", 5e-4)])
+@pytest.mark.parametrize(("name", "error"), [("panda", 5e-4), ("crane", 5e-4), ("tree", 5e-4)])
 def test_movements_within_the_motors_limits_are_followed(name, error):
     """To half a millimetre at the hand and half a milliradian at the joints."""
     arm, body = ARMS[name]
@@ -255,5 +266,8 @@ def test_the_body_of_a_shipped_arm_fits_arms_with_its_joints():
     assert body_for(longer, "panda") == read_body("panda")
     with pytest.raises(BodyError, match=r"crane.*: does not fit: joints: the arm has 7"):
         body_for(PANDA, CRANE_BODY)
+    strong = replace(TREE_BODY, joints=(*TREE_BODY.joints[:4], Motor(1.0)))
+    with pytest.raises(BodyError, match=r"joints\[4\]\.torque: must be 0, as the joint follows"):
+        body_for(TREE, strong)
     with pytest.raises(BodyError, match=r"body nao: does not fit: is of format .*@1, and"):
         body_for(PANDA, "nao")
