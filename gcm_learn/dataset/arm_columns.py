@@ -130,7 +130,7 @@ def spatial_numbers(arm: SpatialArm, horizon: float) -> list[float]:
 
 def chain_numbers(arm: Chain, horizon: float) -> list[float]:
     """Return the parameters of an arm; angles count as way of a hand at full reach."""
-    units = [1.0 if joint.type == "prismatic" else arm.reach for joint in arm.model.joints]
+    units = [1.0 if joint.type == "prismatic" else arm.reach for joint in arm.model.coordinates]
     rows = [arm.joints]
     if arm.max_joint_acceleration is not None:
         rows.append(tuple(0.5 * limit * horizon**2 for limit in arm.max_joint_acceleration))

@@ -49,12 +49,12 @@ def as_obstacles(movement: Movement, name: str, error: float = ERROR) -> tuple[B
     """
     if not error > 0.0:
         raise ValueError(f"error: must be above 0 (got {error})")
-    levers = _LEVERS.of(movement.arm)(movement.arm)
+    levers, factors = _LEVERS.of(movement.arm)(movement.arm)
     ends, radii = links_along(movement.arm, movement.joints[:1])
     half = 0.5 * np.linalg.norm(ends[0, :, 1] - ends[0, :, 0], axis=1)
     bodies = []
     for k, (lever, radius) in enumerate(zip(levers, radii, strict=True)):
-        times = _times(movement, lever, float(half[k]), error)
+        times = _times(movement, lever, factors, float(half[k]), error)
         there = links_along(movement.arm, movement.joints_at(times))[0][:, k]
         shape = _shape(float(radius) + error, float(half[k]))
         bodies.append(Body("obstacle", f"{name} link {k}", shape, _motion(times, there)))
@@ -106,12 +106,15 @@ def _product(p: np.ndarray, q: np.ndarray) -> np.ndarray:
     return np.append(w, p[0] * q[1:] + q[0] * p[1:] + np.cross(p[1:], q[1:]))
 
 
-def _times(movement: Movement, lever: np.ndarray, half: float, error: float) -> np.ndarray:
+def _times(
+    movement: Movement, lever: np.ndarray, factors: np.ndarray, half: float, error: float
+) -> np.ndarray:
     """Return times (n,) between which a link strays by less than `error`.
 
     Parameters
     ----------
-    lever : (2, dof) ndarray
+    lever : (2, m) ndarray
+    factors : (m, dof) ndarray
         See `_of_chain`.
     half : float
         Half of the length of the link's axis.
@@ -119,7 +122,7 @@ def _times(movement: Movement, lever: np.ndarray, half: float, error: float) -> 
     times = [movement.time[:1]]
     for k in range(movement.time.size - 1):
         start, end = movement.time[k], movement.time[k + 1]
-        speeds, forces = _bounds(movement, k)
+        speeds, forces = (factors @ most for most in _bounds(movement, k))
         before = np.cumsum(speeds) - speeds
         bend = float(np.sum(speeds * (2.0 * before + speeds) * lever[0]) + forces @ lever[0])
         turn = float(speeds @ lever[1])
@@ -145,8 +148,8 @@ def _bounds(movement: Movement, k: int) -> tuple[np.ndarray, np.ndarray]:
     return speeds, np.abs([begins / span, ends / span]).max(axis=0)
 
 
-def _of_chain(arm: Chain) -> np.ndarray:
-    """Return for each link what its joints do to it (links, 2, dof).
+def _of_chain(arm: Chain) -> tuple[np.ndarray, np.ndarray]:
+    """Return for each link what the joints do to it (links, 2, m), and sizes of `factors` (m, dof).
 
     The first row bounds the distance of the link's points to a turning joint. It is 1 for a sliding
     joint and 0 for joints beyond the link. The second row is 1 for joints that turn the link.
@@ -155,20 +158,22 @@ def _of_chain(arm: Chain) -> np.ndarray:
     for link in arm.model.links:
         row = np.zeros((2, len(joints)))
         away = max(math.hypot(*link.start), math.hypot(*link.end))
-        for j in reversed(range(link.joint)):
+        for j in reversed(arm.model.path(link.joint)):
             slides = joints[j].type == "prismatic"
             row[:, j] = (1.0, 0.0) if slides else (away, 1.0)
             if slides:
-                away += max(map(abs, joints[j].range))
+                away += arm.farthest(j)
             away += math.hypot(*joints[j].origin)
         found.append(row)
-    return np.array(found)
+    return np.array(found), np.abs(arm.model.factors)
 
 
-def _of_spatial(arm: SpatialArm) -> np.ndarray:
+def _of_spatial(arm: SpatialArm) -> tuple[np.ndarray, np.ndarray]:
     """Return the same for both bones, whose points are no farther than the arm is long."""
     length = math.hypot(*arm.upper_arm) + math.hypot(*arm.forearm)
-    return np.array([np.full((2, 4), [[length], [1.0]])] * 2)
+    return np.array([np.full((2, 4), [[length], [1.0]])] * 2), np.eye(4)
 
 
-_LEVERS: ByKind[Callable[[Any], np.ndarray]] = ByKind({CHAIN: _of_chain, SPATIAL: _of_spatial})
+_LEVERS: ByKind[Callable[[Any], tuple[np.ndarray, np.ndarray]]] = ByKind(
+    {CHAIN: _of_chain, SPATIAL: _of_spatial}
+)

@@ -20,7 +20,9 @@ _NAMES = ByKind(
         PLANAR: lambda arm: ["shoulder", "elbow"],
         SPATIAL: lambda arm: [f"joint_{k + 1}" for k in range(len(arm.joints))],
         CHAIN: lambda arm: [
-            joint.name or f"joint_{k + 1}" for k, joint in enumerate(arm.model.joints)
+            joint.name or f"joint_{k + 1}"
+            for k, joint in enumerate(arm.model.joints)
+            if joint.follows is None
         ],
     },
     default=lambda arm: [f"joint_{k + 1}" for k in range(len(arm.joints))],
@@ -28,7 +30,10 @@ _NAMES = ByKind(
 
 
 def joint_names(arm: Any) -> list[str]:
-    """Return the names of an arm's joints, from its model or as ``joint_1`` and so on."""
+    """Return the names of an arm's joints, from its model or as ``joint_1`` and so on.
+
+    Joints that follow others are not among them: a trajectory has a column for each coordinate.
+    """
     names: list[str] = _NAMES.of(arm)(arm)
     return names
 

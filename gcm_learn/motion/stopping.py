@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from gcm_learn.arms import CHAIN, PLANAR, ByKind, forward
+from gcm_learn.arms import PLANAR, ByKind, forward
 from gcm_learn.errors import SituationError, StopError
 from gcm_learn.motion.movement import REST, Movement
 from gcm_learn.motion.rules import rules_of
@@ -37,10 +37,6 @@ INSTANT = 1e-6
 """Times of braking are whole multiples [s]."""
 PIECES = 24
 """Of a stop that is linear between samples."""
-_RANGES = ByKind(
-    {CHAIN: lambda arm: [joint.range for joint in arm.model.joints]},
-    default=lambda arm: arm.joint_range,
-)
 NAME = "(place of the stop)"
 """Name of the target of verification."""
 
@@ -133,7 +129,7 @@ _UNLIMITED = ByKind({PLANAR: _with_hand}, default=_with_joints)
 
 def _spans_in_range(arm: Any, moves: Movement, rates: np.ndarray, span: float) -> np.ndarray:
     """Times of braking (dof,) that keep joints within their ranges, `span` at most [s]."""
-    low, high = np.array(_RANGES.of(arm)(arm)).T
+    low, high = np.array(arm.joint_range).T
     room = np.where(rates > 0.0, high - moves.joints[-1], moves.joints[-1] - low)
     speed = np.maximum(np.abs(rates), REST)
     return np.clip(2.0 * ROOM * room / speed, SHORTEST, span)

@@ -238,7 +238,8 @@ def goal_of(request: Node, model: ChainModel, robot: str) -> tuple[float, ...]:
     unique((row.at("joint_name"), row.at("joint_name").text()) for row in rows)
     given = {row.at("joint_name").text(): row.at("position") for row in rows}
     where = goal.at("joint_constraints")
-    extra = set(given) - set(_names(where, model, robot, given))
+    followers = {joint.name for joint in model.joints if joint.follows is not None}
+    extra = set(given) - followers - set(_names(where, model, robot, given))
     if extra:
         raise where.error(f"{quote(min(extra))} is no joint of the arm {quote(model.name)}")
     return _in_order(where, given, model, robot)
@@ -256,7 +257,7 @@ def _refuse_constraints(request: Node) -> None:
 def _names(node: Node, model: ChainModel, robot: str, given: dict[str, Node]) -> Sequence[str]:
     """Return what a file calls the joints of an arm."""
     names = []
-    for joint in model.joints:
+    for joint in model.coordinates:
         called = [name for name in (joint.name, f"{robot}_{joint.name}") if name in given]
         if not called or not joint.name:
             raise node.error(f"has no value for joint {quote(joint.name)} of {quote(model.name)}")

@@ -117,8 +117,12 @@ class SiRrt:
         """
         speeds, radii = scene.find("robot_joint_max_velocity"), scene.find("robot_capsules_radius")
         if speeds is not None:
-            faster = zip(model.joints, _sorted(speeds, order), strict=True)
-            model = replace(model, joints=tuple(replace(j, max_speed=v) for j, v in faster))
+            faster = iter(_sorted(speeds, order))
+            joints = (
+                replace(joint, max_speed=next(faster)) if joint.follows is None else joint
+                for joint in model.joints
+            )
+            model = replace(model, joints=tuple(joints))
         if radii is not None and self.arm is None:
             wider = zip(model.links, radii.numbers(len(model.links)), strict=True)
             model = replace(model, links=tuple(replace(link, radius=r) for link, r in wider))
@@ -139,7 +143,7 @@ def at_end(situation: Situation[Chain]) -> Situation[Chain]:
 def _order(node: Node, model: ChainModel) -> list[int]:
     """Return where in a scene's lists the values of each joint of an arm are."""
     given = [row.text() for row in node.rows()]
-    wanted = [joint.name for joint in model.joints]
+    wanted = [joint.name for joint in model.coordinates]
     if sorted(given) != sorted(wanted):
         names = ", ".join(wanted)
         raise node.error(f"must be the joints of {quote(model.name)} ({names})")

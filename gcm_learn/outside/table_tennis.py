@@ -84,7 +84,7 @@ class TableTennis:
 
     def _arm(self) -> Chain:
         model = model_named(self.arm)
-        middle = tuple(0.5 * (low + high) for low, high in (j.range for j in model.joints))
+        middle = tuple(0.5 * (low + high) for low, high in model.ranges)
         return Chain(
             model,
             READY.get(model.name, middle),

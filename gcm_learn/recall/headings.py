@@ -16,6 +16,7 @@ from gcm_learn.arms.chain_limb import PRISMATIC, ChainLimb, place
 from gcm_learn.arms.limbs import axis_of, hand_of
 from gcm_learn.arms.limbs import place as place_of
 from gcm_learn.arms.spatial_limb import SpatialLimb
+from gcm_learn.arms.tree_limb import TreeLimb
 from gcm_learn.compiled import njit
 from gcm_learn.dispatch import by_type
 from gcm_learn.motion.joint_interception import approach_axis, has_approach
@@ -110,7 +111,15 @@ def _turned(limb, scene):
     return out
 
 
-heading_of = by_type({SpatialLimb: _straight, ChainLimb: _turned})
+@njit
+def _turned_tree(limb, scene):
+    for k in range(1, limb.leaders.size):
+        if limb.leaders[k] == 0 or limb.parents[k] == 0:  # the first joint does not turn all alike
+            return _straight(limb, scene)
+    return _turned(limb, scene)
+
+
+heading_of = by_type({SpatialLimb: _straight, ChainLimb: _turned, TreeLimb: _turned_tree})
 """Heading of a limb in a scene: that of the nearest target, late in the horizon.
 
 The first joint is within half a turn of 0 in it at t = 0.

@@ -13,7 +13,15 @@ from gcm_learn.errors import ArmKindError
 from gcm_learn.motion import Movement, as_obstacles, with_stop
 from gcm_learn.scene import pack
 from gcm_learn.scene.bodies import poses_at
-from gcm_learn.situation import Body, Situation, SolidQuadratic, Sphere, shipped_arm
+from gcm_learn.situation import (
+    Body,
+    Situation,
+    SolidQuadratic,
+    Sphere,
+    arm_from_json,
+    shipped_arm,
+)
+from tests.chains import LEVERS
 
 STILL = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
 
@@ -40,7 +48,15 @@ def spatial_moves():
     return solve(replace(situation, arm=arm), "search").trajectory
 
 
+def tree_moves():
+    """A telescope whose second stage and lever follow the first."""
+    arm = Chain(arm_from_json(LEVERS), (0.1, 0.1, 0.2), 0.02)
+    joints = np.array([arm.joints, (1.0, 0.5, -1.0), (0.5, 0.2, 0.3)])
+    return Movement(arm, np.array([0.0, 0.6, 1.0]), joints)
+
+
 MOVES = {
+    "tree": tree_moves,
     "lines": lambda: chain_moves(False),
     "curves": lambda: chain_moves(True),
     "spatial": spatial_moves,

@@ -7,7 +7,10 @@ import copy
 import numpy as np
 import pytest
 
-from gcm_learn.motion import Movement, opening, verify
+from gcm_learn.arms import CHAIN
+from gcm_learn.errors import ArenaError
+from gcm_learn.execution import Pool
+from gcm_learn.motion import Movement, joint_names, opening, verify, with_stop
 from gcm_learn.planners import get_planner, plan_to_json
 from gcm_learn.referee import judge
 from gcm_learn.scene import pack
@@ -121,3 +124,19 @@ def test_coordinates_alone_stand_in_a_trajectory():
     answer = plan_to_json(get_planner("search").plan(read), read)
     assert answer["status"] == "caught" and judge(given, answer) == []
     assert np.shape(answer["trajectory"]["joints"])[1] == 1
+
+
+def test_a_robots_trajectory_names_the_joints_that_lead():
+    arm = scene_arm(situation())
+    assert joint_names(arm) == ["a", "b"]
+    stopped = with_stop(situation_from_json(situation()), _move(arm))
+    assert stopped.joints.shape[1] == 2 and stopped.duration > 1.0
+
+
+def _move(arm):
+    return Movement(arm, np.array([0.0, 1.0]), np.array([(0.0, 0.0), GOAL]))
+
+
+def test_arenas_refuse_branches():
+    with pytest.raises(ArenaError, match="'lever': its arm has branches or followers, which"):
+        Pool.of([situation_from_json(situation())], CHAIN)

@@ -114,6 +114,9 @@ def _alike(situations: Sequence[AnySituation]) -> None:
     first: Any = situations[0].arm
     for situation in situations:
         model = situation.arm.model  # type: ignore[union-attr]
+        if not model.serial:
+            reason = "its arm has branches or followers, which arenas do not take"
+            raise ArenaError(f"situation {situation.name!r}: {reason}")
         found, wanted = sizes_of(model), sizes_of(first.model)
         if found != wanted:
             reason = f"its arm has {found}, that of {situations[0].name!r} {wanted}"

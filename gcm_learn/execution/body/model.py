@@ -140,14 +140,14 @@ class Coupling(NamedTuple):
     own: Any  # index of the coordinates among the joints
 
     @property
-    def count(self) -> int:
+    def size(self) -> int:
         """Number m of joints; targets come after them."""
         return len(self.offsets)
 
     def place(self, data: Any, joints: np.ndarray, rates: np.ndarray) -> None:
         """Write the state of all joints at coordinates and rates (n,), in MuJoCo's units."""
-        data.qpos[: self.count] = self.factors @ joints + self.offsets
-        data.qvel[: self.count] = self.factors @ rates
+        data.qpos[: self.size] = self.factors @ joints + self.offsets
+        data.qvel[: self.size] = self.factors @ rates
 
 
 def coupling_of(model: Any, arm: Any, metres: float) -> Coupling:

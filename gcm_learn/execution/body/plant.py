@@ -134,7 +134,7 @@ class PhysicalPlant:
         arm, data, dof = self.situation.arm, self._data, len(self.fastest)
         rates = np.array(arm.joint_rates or (0.0,) * dof)
         self._coupling.place(data, arm.joints * self.metric, rates * self.metric)
-        m = self._coupling.count
+        m = self._coupling.size
         data.qpos[m:], data.qvel[m:] = self._laws.targets[0], self._laws.moves[0]
         self.joints_log[0], self.rates_log[0] = arm.joints, rates
         self.targets_log[0] = self._laws.targets[0]
@@ -279,7 +279,7 @@ class PhysicalPlant:
         inside, after = slice(first, last), slice(first + 1, last + 1)
         qpos, qvel, ctrl, force = data.qpos, data.qvel, data.ctrl, data.actuator_force
         places, turns, own = data.mocap_pos, data.mocap_quat, self._coupling.own
-        at, moving = qpos[self._coupling.count :], qvel[self._coupling.count :]
+        at, moving = qpos[self._coupling.size :], qvel[self._coupling.size :]
         found, law = None, [table[inside] for table in self._law]
         held = dict.fromkeys(self._held, last)  # until which step each target is
         rows = zip(
@@ -306,7 +306,7 @@ class PhysicalPlant:
         self.steps, n = last, last - first
         self.joints_log[after] = self._states[:n, own] / self.metric
         self.rates_log[after] = self._speeds[:n, own] / self.metric
-        self.targets_log[after] = self._states[:n, self._coupling.count :]
+        self.targets_log[after] = self._states[:n, self._coupling.size :]
         self._log_held(first, last, held)
         if data.warning.number.any() or not np.isfinite(self.joints_log[self.steps]).all():
             raise PhysicsError(f"physics: some numbers are not finite at t = {self.time:.3f} s")

@@ -74,7 +74,7 @@ class ChainArmRanges(Ranges):
     def arm(self, rng: np.random.Generator) -> Chain:
         """Draw a chain in any posture, its base at the origin."""
         model = model_of(self.model)
-        middle = tuple(0.5 * (joint.range[0] + joint.range[1]) for joint in model.joints)
+        middle = tuple(0.5 * (low + high) for low, high in model.ranges)
         given: dict[str, Any] = {}
         if self.accelerations:
             given["max_joint_acceleration"] = self.accelerations

@@ -38,7 +38,7 @@ def draw_arm(
     """
     from gcm_learn.arms import frames_at  # its libraries take a while to import
 
-    low, high = np.array([joint.range for joint in model.joints]).T
+    low, high = np.array(model.ranges).T
     posture = 0.5 * (low + high) if joints is None else np.array(joints)
     rotations, places = frames_at(model, posture[None].astype(float))
     rotation, place = rotations[:, 0], places[:, 0]

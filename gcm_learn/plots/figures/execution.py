@@ -52,7 +52,9 @@ STOP = 8  # frames for which a film stands still at the catch or the contact
 MET, HIT = style.GOOD, style.EFFECTIVE  # marks of a catch and of a contact
 JOINT_NAMES: ByKind[Callable[[Any], tuple[str, ...]]] = ByKind(
     {SPATIAL: lambda arm: ("shoulder pitch", "shoulder roll", "elbow yaw", "elbow roll")},
-    default=lambda arm: tuple(j.name or f"joint {k}" for k, j in enumerate(arm.model.joints, 1)),
+    default=lambda arm: tuple(
+        j.name or f"joint {k}" for k, j in enumerate(arm.model.joints, 1) if j.follows is None
+    ),
 )
 JOINT_COLOURS = (style.ARM, "#dd6b20", style.OBSTACLE, "#2c7a7b")
 MILLI = 1e3  # [1/1000]
