@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import ast
+import importlib
 import json
 import re
 import tomllib
@@ -85,6 +87,19 @@ def test_classes_that_are_named_exist(path, words):
     codes = re.findall(r"`([^`\n]+)`", text)
     named = {w for code in codes for w in re.findall(r"\b[A-Z][a-z]+(?:[A-Z][a-z]+)+\w*", code)}
     assert named - FOREIGN <= words
+
+
+@pytest.mark.parametrize(
+    "path",
+    [p for p in [*DOCUMENTS, *BESIDE] if blocks(p, "python")],
+    ids=lambda p: str(p.relative_to(ROOT)),
+)
+def test_what_examples_import_exists(path):
+    for example in blocks(path, "python"):
+        for node in ast.walk(ast.parse(example)):
+            if isinstance(node, ast.ImportFrom) and str(node.module).startswith("gcm_learn"):
+                module = importlib.import_module(str(node.module))
+                assert [one.name for one in node.names if not hasattr(module, one.name)] == []
 
 
 def test_examples_of_reading_run(monkeypatch, tmp_path):
