@@ -38,6 +38,8 @@ def report(manifest: Mapping[str, Any]) -> Iterator[str]:
     """Yield the lines of a report on a manifest."""
     spec, records = manifest["spec"], max(manifest["records"], 1)
     state = "complete" if manifest["complete"] else f"{manifest['records']} of {spec['count']}"
+    if manifest.get("kept"):
+        state += f", and {manifest['kept']} kept of shards that are not finished"
     if not manifest.get("planned", True):
         state += " or more (no manifest tells how many are planned)"
     yield f"{manifest['name']}: {manifest['records']} records, {state}"

@@ -19,6 +19,7 @@ from gcm_learn.dataset.shards import (
     ShardInfo,
     header_of,
     info_of,
+    kept,
     shard_name,
 )
 from gcm_learn.dataset.spec import STRATA, DatasetSpec, spec_from_json, spec_to_json
@@ -188,7 +189,8 @@ def survey(path: str | os.PathLike[str]) -> Manifest:
     runs = [] if manifest is None else manifest["runs"]
     now = manifest_of(folder, spec, present(folder, spec, range(spec.shards)), runs)
     known = manifest is not None
-    return now | {"complete": known and now["complete"], "planned": known}
+    complete = known and now["complete"]
+    return now | {"complete": complete, "planned": known, "kept": kept(spec, folder)}
 
 
 def faults_of(folder: Folder, *, hashes: bool = False) -> Iterator[str]:

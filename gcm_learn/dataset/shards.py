@@ -8,7 +8,7 @@ import json
 import time
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import asdict, dataclass, field
 from functools import lru_cache
 from typing import Any
@@ -134,15 +134,27 @@ def _part_name(shard: int) -> str:
 def _kept(spec: DatasetSpec, shard: int, folder: Folder) -> list[Record]:
     """Return the first items of a shard that was stopped; none if other code made them."""
     name = _part_name(shard)
-    if not folder.exists(name):
+    if not 0 < _rows_kept(spec, folder, name) <= len(spec.indices(shard)):
         return []
     try:
-        info, table = info_of(folder, name), read_columns(folder, name)
-    except (DatasetError, OSError, pa.ArrowException):
+        return [Record(spec, {}, row) for row in read_columns(folder, name).to_pylist()]
+    except (OSError, pa.ArrowException):
         return []
-    ours = (info.spec, info.code) == (spec.digest, code_version())
-    known = ours and info.rows <= len(spec.indices(shard))
-    return [Record(spec, {}, row) for row in table.to_pylist()] if known else []
+
+
+def _rows_kept(spec: DatasetSpec, folder: Folder, name: str) -> int:
+    """Return how many items a stopped shard's file holds that this code made."""
+    if folder.exists(name):
+        with suppress(DatasetError):
+            info = info_of(folder, name)
+            return info.rows if (info.spec, info.code) == (spec.digest, code_version()) else 0
+    return 0
+
+
+def kept(spec: DatasetSpec, folder: Folder) -> int:
+    """Return how many items of shards that were stopped are there to go on with."""
+    names = [name for name in folder.names(SHARDS) if name.startswith(".shard-")]
+    return sum(_rows_kept(spec, folder, f"{SHARDS}/{name}") for name in names)
 
 
 def _grown(spec: DatasetSpec, table: pa.Table, records: Sequence[Record]) -> pa.Table:

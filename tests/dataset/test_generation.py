@@ -103,10 +103,27 @@ def test_a_shard_that_was_stopped_goes_on_after_its_last_items(spec, tmp_path, m
     for _ in range(2):
         with pytest.raises(KeyboardInterrupt):
             make_shard(spec, 0, str(tmp_path / "parts"))
+    assert shards.kept(spec, Folder(tmp_path / "parts")) == 9
     make_shard(spec, 0, str(tmp_path / "parts"))
     assert made == list(range(12))
     assert os.listdir(tmp_path / "parts" / "shards") == ["shard-000000.parquet"]
     assert hashes(tmp_path / "parts") == hashes(tmp_path / "whole")
+
+
+def test_a_report_counts_items_of_stopped_shards(small, tmp_path, monkeypatch, capsys):
+    def item(spec, k):
+        if k == 25:
+            raise KeyboardInterrupt
+        return make_item(spec, k)
+
+    monkeypatch.setattr("gcm_learn.dataset.generation.LocalCrew", Noting)
+    monkeypatch.setattr(shards, "make_item", item)
+    monkeypatch.setattr(shards, "BETWEEN_PARTS", -1.0)
+    with pytest.raises(KeyboardInterrupt):
+        generate(small, tmp_path)
+    assert main(["inspect", str(tmp_path)]) == 0
+    said = capsys.readouterr().out.splitlines()[0]
+    assert said == "small: 20 records, 20 of 50, and 5 kept of shards that are not finished"
 
 
 def test_items_of_other_code_are_made_again(small, tmp_path, monkeypatch):
