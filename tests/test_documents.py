@@ -102,20 +102,6 @@ def test_what_examples_import_exists(path):
                 assert [one.name for one in node.names if not hasattr(module, one.name)] == []
 
 
-def test_examples_of_reading_run(monkeypatch, tmp_path):
-    pytest.importorskip("pyarrow")
-    monkeypatch.chdir(ROOT)
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    reading, torch = blocks(ROOT / "data" / "README.md", "python")
-    scope: dict = {}
-    exec(compile(reading, "data/README.md", "exec"), scope)
-    pytest.importorskip("torch")
-    *lines, last = torch.splitlines()
-    exec(compile("\n".join(lines), "data/README.md", "exec"), scope)
-    assert tuple(eval(last, scope)) == (8, 3, 80, 80)
-    assert next(iter(scope["streamed"]))["image"].shape == (8, 3, 80, 80)
-
-
 def test_every_picture_is_shown_and_they_are_light():
     images = sorted((ROOT / "docs" / "images").iterdir())
     text = "".join(path.read_text("utf-8") for path in DOCUMENTS)

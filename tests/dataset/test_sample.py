@@ -82,12 +82,18 @@ def test_specifications_can_be_read(path):
     assert read_spec(path).count > 0
 
 
-def test_the_readmes_example_runs(monkeypatch, tmp_path):
-    (example,) = re.findall(r"^```python\n(.*?)^```", README, re.M | re.S)
+def test_the_readmes_examples_run(monkeypatch, tmp_path):
+    reading, torch = re.findall(r"^```python\n(.*?)^```", README, re.M | re.S)
     monkeypatch.chdir(DATA.parent)
-    cached = example.replace("hard.cache(", f"hard.cache({str(tmp_path)!r}, ")
-    assert cached != example
-    exec(compile(cached, "README.md", "exec"), {"__name__": "example"})
+    cached = reading.replace("hard.cache(", f"hard.cache({str(tmp_path)!r}, ")
+    assert cached != reading
+    scope: dict = {"__name__": "example"}
+    exec(compile(cached, "README.md", "exec"), scope)
+    pytest.importorskip("torch")
+    *lines, last = torch.splitlines()
+    exec(compile("\n".join(lines), "README.md", "exec"), scope)
+    assert tuple(eval(last, scope)) == (8, 3, 80, 80)
+    assert next(iter(scope["streamed"]))["image"].shape == (8, 3, 80, 80)
 
 
 def test_the_sample_in_space_has_arms_of_all_kinds():
