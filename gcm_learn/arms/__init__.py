@@ -57,7 +57,6 @@ if TYPE_CHECKING:
         Inertial,
         Robot,
         chain_of,
-        checked_pairs,
         frames_at,
         read_robot,
     )
@@ -91,7 +90,6 @@ __all__ = [
     "SpatialLimb",
     "TreeLimb",
     "chain_of",
-    "checked_pairs",
     "elbow_of",
     "elbow_position",
     "forward",
@@ -131,7 +129,6 @@ __getattr__ = late_names(
             "Inertial",
             "Robot",
             "chain_of",
-            "checked_pairs",
             "frames_at",
             "read_robot",
         ),

@@ -71,7 +71,14 @@ class Arm:
     ] = None
     """with --body: inertias of the rotors as the joints feel them [kg m^2, or kg], one or all"""
 
-    capsules: int = 4
+    tool: Annotated[
+        float | None, arg(metavar="RADIUS", help_behavior_hint="(default: no tool)")
+    ] = None
+    """radius of a tool, a capsule from the origin of the tip's frame to the hand's point"""
+
+    capsules: Annotated[
+        int | None, arg(metavar="N", help_behavior_hint="(default: as many as help, 40 an arm)")
+    ] = None
     """capsules that cover a link, at most"""
 
     packages: Annotated[
@@ -131,6 +138,10 @@ class Arm:
             stream.write(json.dumps(arm_to_json(fitted.model), indent=1) + "\n")
         remarks = robot.remarks({joint.name for joint in fitted.model.joints})
         lines = [*report(fitted), *(f"  {remark}" for remark in remarks)]
+        if self.tool is None:
+            lines.append(
+                f"  the hand is a point; --tool RADIUS covers the way to it from {self.tip}"
+            )
         print("\n".join(lines), file=sys.stderr if self.out is None else sys.stdout)
         return 0
 
@@ -145,7 +156,7 @@ class Arm:
         for folder in self.packages:
             if not folder.is_dir():
                 raise CommandFailure(f"--packages {folder}: is no folder")
-        if self.capsules < 1:
+        if self.capsules is not None and self.capsules < 1:
             raise CommandFailure(f"--capsules {self.capsules}: must be at least 1")
         for name, numbers in (("--point", self.point), ("--axis", self.axis)):
             if not all(map(math.isfinite, numbers)):
@@ -162,7 +173,7 @@ class Arm:
             point=self.point, axis=self.axis, at=_values(self.at),
             max_speed=self.max_speed, max_acceleration=self.max_acceleration,
             torque=self.torque, armature=self.armature,
-            capsules=self.capsules, name=self.name, source=self.source,
+            tool=self.tool, capsules=self.capsules, name=self.name, source=self.source,
         )  # fmt: skip
 
     def _draw(self, fitted: Fitted, place: Path) -> None:
@@ -206,6 +217,14 @@ def report(fitted: Fitted) -> list[str]:
         lines.append(
             f"  {cover.link:<{width}}  on {carried}, {many}, up to {cover.overhang:.3g} wider"
         )
+    free = fitted.freedom
+    lines.append(
+        f"  free of self-collision in {free.capsules:.1%} of random postures; "
+        f"in {free.parts:.1%} by the file's parts"
+    )
+    for clash in free.worst[:5]:
+        pair = " and ".join(clash.links)
+        lines.append(f"    {pair} overlap in {clash.capsules:.1%}; parts in {clash.parts:.1%}")
     return lines
 
 

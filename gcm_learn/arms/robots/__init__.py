@@ -1,18 +1,16 @@
 """Arms from files of robots: URDF and MJCF become chains that carry capsules."""
 
-from gcm_learn.arms.robots.chains import MOST_CAPSULES, Cover, Fitted, chain_of, read_robot
-from gcm_learn.arms.robots.pairs import checked_pairs, frames_at
+from gcm_learn.arms.robots.chains import Cover, Fitted, chain_of, read_robot
+from gcm_learn.arms.robots.pairs import frames_at
 from gcm_learn.arms.robots.tree import Drive, Inertial, Robot
 
 __all__ = [
-    "MOST_CAPSULES",
     "Cover",
     "Drive",
     "Fitted",
     "Inertial",
     "Robot",
     "chain_of",
-    "checked_pairs",
     "frames_at",
     "read_robot",
 ]

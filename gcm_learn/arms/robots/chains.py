@@ -12,30 +12,18 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from gcm_learn.arms.chain import ChainJoint, ChainModel, Hand, Link
-from gcm_learn.arms.robots.capsules import Group, covered, overhang
+from gcm_learn.arms.robots.capsules import Capsule, pieces_of
+from gcm_learn.arms.robots.fits import MOST, Cover, Freedom, covered
 from gcm_learn.arms.robots.following import MOVING, Placed, arranged
-from gcm_learn.arms.robots.pairs import checked_pairs
+from gcm_learn.arms.robots.pairs import Solid
 from gcm_learn.arms.robots.tree import Drive, Hull, Inertial, Robot, RobotJoint, together
 from gcm_learn.arms.robots.urdf import read_urdf
 from gcm_learn.arms.robots.urdf_checks import is_xacro
 from gcm_learn.errors import RobotError, SituationError
 
-MOST_CAPSULES = 3
-"""Capsules that cover a link at most."""
 FULL_TURN = 2.0 * math.pi
 """Range to either side that joints without an end get [rad]."""
 CLEAR = 1e-12  # shorter numbers of rotations are rounding
-
-
-class Cover(NamedTuple):
-    """How a link of the robot is covered."""
-
-    link: str
-    joint: int
-    """Joint of the chain that carries it, 0 for the base."""
-    capsules: int
-    overhang: float
-    """Largest distance of the capsules beyond the convex hull of what each covers."""
 
 
 class Fitted(NamedTuple):
@@ -45,6 +33,8 @@ class Fitted(NamedTuple):
     covers: tuple[Cover, ...]
     parts: tuple[tuple[Hull, ...], ...]
     """Convex parts that each link of the model holds, in the frame of its joint."""
+    freedom: Freedom
+    """How free the arm is of itself."""
     masses: tuple[Inertial, ...]
     """(m + 1) Mass that each frame carries, the base first."""
     drives: tuple[Drive, ...]
@@ -100,7 +90,8 @@ def chain_of(
     max_acceleration: Sequence[float] | None = None,
     torque: Sequence[float] | None = None,
     armature: Sequence[float] | None = None,
-    capsules: int = MOST_CAPSULES,
+    tool: float | None = None,
+    capsules: int | None = None,
     name: str | None = None,
     source: str = "",
     seed: int = 0,
@@ -126,8 +117,10 @@ def chain_of(
         speeds are those of the file else.
     torque, armature : (n,) sequence of float, optional
         Of the chain's motors, see `Drive`; those of the file else.
-    capsules : int
-        That cover a link, at most.
+    tool : float, optional
+        Radius of a capsule from the origin of `tip` to `point`; there is none if not given.
+    capsules : int, optional
+        That cover a link, at most; an arm has 40 in all, unless more links move apart.
     name, source : str, optional
     seed : int
         Of the postures by which pairs for self-collision are found.
@@ -150,16 +143,22 @@ def chain_of(
             joints.append(_chain_joint(one, k, None, next(speeds), next(forces)))
         else:
             joints.append(_chain_joint(one, k, joints[one.follows.joint - 1], None, None))
-    links, covers, parts = _links(robot, frames, capsules)
     last, pose = frames[tip]
     hand = Hand(last, _tuple(pose[:3, :3] @ point + pose[:3, 3]), _tuple(pose[:3, :3] @ axis))
-    model = ChainModel(name or robot.name, tuple(joints), tuple(links), hand, (), source)
-    pairs = checked_pairs(model, seed)
-    model = ChainModel(model.name, model.joints, model.links, hand, pairs, source)
+    solids = _solids(robot, frames)
+    if tool is not None:
+        if not 0.0 < tool < math.inf:
+            raise RobotError(f"tool: must be above 0 (got {tool:g})")
+        reach = Capsule(pose[:3, 3], np.array(hand.point), tool)
+        piece = reach.piece._replace(link=len(solids))
+        solids.append(Solid(f"tool of {tip}", last, [piece]))
+    bare = Link(0, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 1.0)
+    model = ChainModel(name or robot.name, tuple(joints), (bare,), hand, (), source)
+    made = covered(model, solids, _joined(robot), capsules or MOST, seed)
     drives = _drives(
         placed, _listed(torque, "torque", moving), _listed(armature, "armature", moving)
     )
-    return Fitted(model, tuple(covers), tuple(parts), _masses(robot, frames, len(placed)), drives)
+    return Fitted(*made, _masses(robot, frames, len(placed)), drives)
 
 
 def _listed(
@@ -231,29 +230,26 @@ def _chain_joint(
         raise RobotError(f"joint {joint.name!r}: {error}") from None
 
 
-def _links(
-    robot: Robot, frames: Mapping[str, tuple[int, np.ndarray]], capsules: int
-) -> tuple[list[Link], list[Cover], list[tuple[Hull, ...]]]:
-    """Cover every link of the robot; returns capsules, what is said of them, and what they hold."""
-    links: list[Link] = []
-    covers: list[Cover] = []
-    parts: list[tuple[Hull, ...]] = []
+def _solids(robot: Robot, frames: Mapping[str, tuple[int, np.ndarray]]) -> list[Solid]:
+    """Return the links that can touch anything, in the frames that carry them."""
+    solids: list[Solid] = []
     for link in robot.links.values():
-        if not link.hulls or link.name not in frames:
-            continue
-        number, pose = frames[link.name]
-        groups: list[Group] = covered([hull.moved(pose) for hull in link.hulls], capsules)
-        for group in groups:
-            made = group.capsule
-            ends = _tuple(made.start), _tuple(made.end)
-            links.append(Link(number, *ends, made.radius, link.name))
-            parts.append(group.hulls)
-        beyond = max(overhang(group.capsule, group.hulls) for group in groups)
-        covers.append(Cover(link.name, number, len(groups), beyond))
-    if not links:
+        if link.hulls and link.name in frames:
+            number, pose = frames[link.name]
+            hulls = [hull.moved(pose) for hull in link.hulls]
+            solids.append(Solid(link.name, number, pieces_of(hulls, len(solids))))
+    if not solids:
         looks = any(link.looks for link in robot.links.values())
         raise RobotError(f"has no collision geometry{'; try --visual' if looks else ''}")
-    return links, covers, parts
+    return solids
+
+
+def _joined(robot: Robot) -> set[frozenset[str]]:
+    """Return pairs of links, by name, that one joint joins; in MJCF these are bodies."""
+    moving = [joint for joint in robot.joints if joint.type != "fixed"]
+    return {
+        frozenset((joint.parent, joint.child.removesuffix(f" at {joint.name}"))) for joint in moving
+    }
 
 
 def _drives(

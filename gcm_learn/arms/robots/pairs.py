@@ -1,16 +1,23 @@
-"""Pairs of links to check for self-collision, found by sampling postures."""
+"""Links that are checked against each other, found by sampling postures."""
 
 from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from itertools import combinations, product
+from typing import NamedTuple
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from gcm_learn import seeding
 from gcm_learn.arms.chain import ChainModel
+from gcm_learn.arms.convex_kernels import gaps
+from gcm_learn.arms.robots.capsules import Packed, Piece, all_balls, enclosing, packed
 
-POSTURES = 4000
-ALWAYS = 0.95
-"""Share of the postures: pairs that overlap in as many are taken for parts that touch by design."""
+POSTURES = 20_000
+CORNERS = 2_000  # of the ranges, at most, among the postures
+TOUCH = 1e-9  # distance of parts that touch [lengths]
+Meets = dict[tuple[int, int], np.ndarray]
 
 
 def frames_at(model: ChainModel, joints: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -31,57 +38,85 @@ def frames_at(model: ChainModel, joints: np.ndarray) -> tuple[np.ndarray, np.nda
     return np.array(rotations), np.array(places)
 
 
-def checked_pairs(model: ChainModel, seed: int = 0) -> tuple[tuple[int, int], ...]:
-    """Return pairs of links that overlap in some postures and not in all.
+class Solid(NamedTuple):
+    """A rigid link: its name, the joint whose frame carries it, and its parts in that frame."""
 
-    Left out are links of one joint, links of neighbouring joints, and pairs that overlap never or
-    always in a sample of postures, as MoveIt's setup assistant does.
+    name: str
+    joint: int
+    pieces: Sequence[Piece]
 
-    Parameters
-    ----------
-    model : ChainModel
-    seed : int
-        Of the sample.
+    @property
+    def volume(self) -> float:
+        """Volume of a capsule about it [lengths^3]."""
+        return enclosing(all_balls(self.pieces)).volume
+
+
+class Frames(NamedTuple):
+    """Frames of a chain in sampled postures."""
+
+    rotations: np.ndarray  # (k + 1, m, 3, 3)
+    places: np.ndarray  # (k + 1, m, 3)
+    random: np.ndarray  # (m,): false for corners of the ranges
+
+    @classmethod
+    def sampled(cls, model: ChainModel, seed: int) -> Frames:
+        """Return frames at random postures, and at corners of the ranges."""
+        rng = seeding.rng(seed, 27)
+        low, high = np.array(model.ranges).T
+        joints = rng.uniform(low, high, (POSTURES, model.dof))
+        if 2**model.dof <= CORNERS:
+            sides = np.array(list(product((False, True), repeat=model.dof)))
+        else:
+            sides = rng.random((CORNERS, model.dof)) < 0.5
+        joints[: len(sides)] = np.where(sides, high, low)
+        return cls(*frames_at(model, joints), np.arange(POSTURES) >= len(sides))
+
+    def some(self, at: np.ndarray) -> Frames:
+        """Return the frames of some postures, given by their numbers or by a mask."""
+        return Frames(self.rotations[:, at], self.places[:, at], self.random[at])
+
+    def gaps(self, one: Packed, two: Packed, joints: tuple[int, int]) -> np.ndarray:
+        """Return distances (m,) of two groups of parts: 0 or less if they touch, cut to `TOUCH`."""
+        i, j = joints
+        return gaps(
+            *(one + two), len(one.rounds), self.rotations[i], self.places[i], self.rotations[j],
+            self.places[j], TOUCH,
+        )  # fmt: skip
+
+    def any_of(self, meets: Collection[np.ndarray]) -> np.ndarray:
+        """Return in which postures (m,) any of some pairs meets."""
+        return np.any([*meets, np.zeros(len(self.random), bool)], axis=0)
+
+
+def meetings(
+    solids: Sequence[Solid], frames: Frames, joined: Collection[frozenset[str]]
+) -> tuple[Meets, set[tuple[int, int]]]:
+    """Find pairs of links whose parts overlap in some postures.
+
+    Left out are links of one frame, those that one joint joins (by their names), and those whose
+    parts overlap in no posture or in all.
+
+    Returns
+    -------
+    meets : dict of (int, int) to (m,) ndarray of bool
+        In which postures.
+    passed : set of (int, int)
+        Pairs that one joint joins, or whose parts overlap in all postures.
     """
-    low, high = np.array(model.ranges).T
-    joints = seeding.rng(seed, 27).uniform(low, high, (POSTURES, model.dof))
-    rotations, places = frames_at(model, joints)
-    ends = [
-        [
-            rotations[link.joint] @ np.array(end) + places[link.joint]
-            for end in (link.start, link.end)
-        ]
-        for link in model.links
-    ]
-    pairs = []
-    for i, first in enumerate(model.links):
-        for j in range(i + 1, len(model.links)):
-            second = model.links[j]
-            low, high = sorted((first.joint, second.joint))
-            if low == high or model.parent(high - 1) == low:
-                continue
-            gap = segment_distance(*ends[i], *ends[j]) - first.radius - second.radius
-            if 0.0 < np.mean(gap < 0.0) < ALWAYS:
-                pairs.append((i, j))
-    return tuple(pairs)
-
-
-def segment_distance(a: np.ndarray, b: np.ndarray, c: np.ndarray, d: np.ndarray) -> np.ndarray:
-    """Return the distances (m,) of segments a-b and c-d, each of (m, 3) points.
-
-    The nearest points of the lines are clamped to the segments in turn (Ericson, Real-Time
-    Collision Detection, 5.1.9).
-    """
-    u, v, w = b - a, d - c, a - c
-    uu, vv, uv = (np.einsum("mi,mi->m", *pair) for pair in ((u, u), (v, v), (u, v)))
-    uw, vw = np.einsum("mi,mi->m", u, w), np.einsum("mi,mi->m", v, w)
-    tiny = 1e-15
-    bottom = uu * vv - uv * uv
-    s = np.where(bottom > tiny, (uv * vw - vv * uw) / np.maximum(bottom, tiny), 0.0)
-    s = np.clip(s, 0.0, 1.0)
-    t = np.where(vv > tiny, (uv * s + vw) / np.maximum(vv, tiny), 0.0)
-    clamped = np.clip(t, 0.0, 1.0)
-    again = np.where(uu > tiny, (uv * clamped - uw) / np.maximum(uu, tiny), 0.0)
-    s = np.clip(np.where(uu > tiny, again, 0.0), 0.0, 1.0)
-    away = w + s[:, None] * u - clamped[:, None] * v
-    return np.linalg.norm(away, axis=1)
+    parts = [packed(solid.pieces) for solid in solids]
+    about = [packed([enclosing(all_balls(solid.pieces)).piece]) for solid in solids]
+    meets, passed = {}, set()
+    for a, b in combinations(range(len(solids)), 2):
+        joints = solids[a].joint, solids[b].joint
+        if joints[0] == joints[1]:
+            continue
+        if frozenset((solids[a].name, solids[b].name)) in joined:
+            passed.add((a, b))
+            continue
+        met = frames.gaps(about[a], about[b], joints) <= 0.0
+        met[met] = frames.some(met).gaps(parts[a], parts[b], joints) <= 0.0
+        if met.all():
+            passed.add((a, b))
+        elif met.any():
+            meets[a, b] = met
+    return meets, passed
