@@ -139,7 +139,7 @@ def grouped(pieces: Sequence[Piece], site: Site) -> Group:
 
 
 def divided(group: Group, site: Site) -> tuple[Group, Group] | None:
-    """Divide a group into two that lie less far beyond the parts, None if nothing can be divided.
+    """Divide a group into two that lie less far beyond the parts, if that is possible.
 
     Parts are cut by planes. Each piece lies in the capsule of its group, which is convex, so that
     the capsules hold the whole part. Balls and capsules are not cut.
