@@ -63,20 +63,25 @@ MJCF = """<mujoco><worldbody><body name="base" pos="0.1 0 0">
 POINT = (0.05, 0.01, -0.02)
 
 
-@pytest.fixture
-def elbow(tmp_path):
+def elbow_in(place):
     trimesh = pytest.importorskip("trimesh")
-    pytest.importorskip("yourdfpy")
-    folder = tmp_path / "elbow" / "urdf"
+    folder = place / "elbow" / "urdf"
     folder.mkdir(parents=True)
-    trimesh.creation.icosphere(radius=0.08, subdivisions=2).export(tmp_path / "elbow" / "fore.stl")
+    trimesh.creation.icosphere(radius=0.08, subdivisions=2).export(place / "elbow" / "fore.stl")
     (folder / "elbow.urdf").write_text(URDF, "utf-8")
     return folder / "elbow.urdf"
 
 
 @pytest.fixture
-def fitted(elbow):
-    return chain_of(read_robot(elbow), "foot", "palm", point=POINT, at={"grip": 0.4})
+def elbow(tmp_path):
+    pytest.importorskip("yourdfpy")
+    return elbow_in(tmp_path)
+
+
+@pytest.fixture(scope="module")
+def fitted(tmp_path_factory):
+    robot = read_robot(elbow_in(tmp_path_factory.mktemp("elbow")))
+    return chain_of(robot, "foot", "palm", point=POINT, at={"grip": 0.4})
 
 
 def hands(model, joints):

@@ -17,7 +17,7 @@ DIGITS = 6  # of numbers that are written; radii are enlarged by what rounding m
 _NODES = 20_000  # of a field of distances
 _PLACES = (0.2, 0.35, 0.5, 0.65, 0.8)  # of planes that cut, as shares of what they cut
 _INSETS = (1.0, 0.7, 0.4, 0.0)  # of the ends of capsules that are tried, in radii
-_TRIED = 3  # divisions that are worked out, of all that are thought of
+_TRIED = 2  # divisions that are worked out, of all that are thought of
 
 
 class Piece(NamedTuple):
@@ -292,7 +292,7 @@ def _fitted(balls: np.ndarray, site: Site) -> Capsule:
         found = minimize(
             lambda x: site.cost(made(x)), np.concatenate([best.start - shift, best.end + shift]),
             method="Nelder-Mead",
-            options={"maxiter": 500, "xatol": 1e-5, "fatol": 1e-12, "adaptive": True},
+            options={"maxiter": 150, "xatol": 1e-5, "fatol": 1e-12, "adaptive": True},
         )  # fmt: skip
         best = min(best, made(found.x), key=site.cost)
     return best
