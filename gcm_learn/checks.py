@@ -24,6 +24,9 @@ UNIT_TOLERANCE = 1e-6
 UNIT_LENGTH = 1e-5
 """Largest error of lengths of axes and quaternions that are normalised."""
 
+AT_LIMIT = 1e-5
+"""Share of the larger of 1 and a bound by which a value beyond it is the bound."""
+
 ROUNDING = 1e-15
 """Largest error of the length of a normalised vector."""
 
@@ -143,6 +146,19 @@ def normalised(value: object, field: str, size: int = 3) -> tuple[float, ...]:
     result = unit_vector(value, field, size, tolerance=UNIT_LENGTH)
     length = math.hypot(*result)
     return result if abs(length - 1.0) <= ROUNDING else tuple(part / length for part in result)
+
+
+def in_ranges(
+    values: Sequence[float], ranges: Sequence[tuple[float, float]], field: str
+) -> tuple[float, ...]:
+    """Return values within their ranges; those that are nearly within are set to the bound."""
+    result = []
+    for k, (value, (low, high)) in enumerate(zip(values, ranges, strict=True)):
+        bound = min(max(value, low), high)
+        if abs(value - bound) > AT_LIMIT * max(1.0, abs(bound)):
+            raise SituationError(f"{field}[{k}]", f"{value} is outside its range [{low}, {high}]")
+        result.append(bound)
+    return tuple(result)
 
 
 def orthogonal(first: Sequence[float], second: Sequence[float], field: str, other: str) -> None:

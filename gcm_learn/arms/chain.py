@@ -13,6 +13,7 @@ from gcm_learn.arms.spatial import IDENTITY, Base
 from gcm_learn.checks import (
     UNIT_LENGTH,
     choice,
+    in_ranges,
     non_negative,
     normalised,
     positive,
@@ -273,11 +274,8 @@ class Chain:
         if self.max_hand_speed is not None:
             put(self, "max_hand_speed", positive(self.max_hand_speed, "max_hand_speed"))
         put(self, "max_joint_acceleration", self._accelerations())
-        for k, (value, joint) in enumerate(zip(self.joints, self.model.coordinates, strict=True)):
-            low, high = joint.range
-            if not low <= value <= high:
-                reason = f"{value} is outside its range [{low}, {high}]"
-                raise SituationError(f"posture[{k}]", reason)
+        ranges = [joint.range for joint in self.model.coordinates]
+        put(self, "joints", in_ranges(self.joints, ranges, "posture"))
         self.model.check_start(self.joints)
         self._check_rates()
         put(self, "ignore", self._ignore())

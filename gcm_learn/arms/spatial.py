@@ -8,6 +8,7 @@ from typing import ClassVar
 
 from gcm_learn.arms.rotations import unit_quaternion
 from gcm_learn.checks import (
+    in_ranges,
     non_negative,
     positive,
     positive_vector,
@@ -112,16 +113,8 @@ class SpatialArm:
             put(self, "max_hand_speed", positive(self.max_hand_speed, "max_hand_speed"))
         for name in ("thickness", "grasp"):
             put(self, name, non_negative(getattr(self, name), name))
-        self._check_joints()
+        put(self, "joints", in_ranges(self.joints, self.joint_range, "joints"))
         self._check_rates()
-
-    def _check_joints(self) -> None:
-        """Refuse joints outside their ranges."""
-        for k, (angle, (low, high)) in enumerate(zip(self.joints, self.joint_range, strict=True)):
-            if not low <= angle <= high:
-                raise SituationError(
-                    f"joints[{k}]", f"{angle} is outside its range [{low}, {high}]"
-                )
 
     def _check_rates(self) -> None:
         """Refuse rates beyond their limits, or where accelerations have none."""

@@ -25,7 +25,7 @@ OF_SUITE = "(default: of the suite)"
 class Convert:
     """Convert problems that others made; write one situation a line, in the format of `solve`.
 
-    Standard error says how many starts and goals are blocked.
+    Standard error says how many starts and goals are blocked, and what was left out and why.
     """
 
     suite: Annotated[Positional[str], arg(metavar="SUITE")]

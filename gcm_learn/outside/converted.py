@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -10,7 +11,7 @@ from typing import Any, ClassVar, Protocol
 import numpy as np
 
 from gcm_learn.arms import Base, Chain, ChainModel, hands_along
-from gcm_learn.errors import SituationError
+from gcm_learn.errors import GcmError, SituationError
 from gcm_learn.motion import Movement, rules_of, start_clearance, verify
 from gcm_learn.scene import gap, pack, pose
 from gcm_learn.situation import (
@@ -47,6 +48,8 @@ class Converted:
 
     asked: dict[str, int] = field(default_factory=dict)
     """Sentence to how many problems it might apply to."""
+    left_out: list[GcmError] = field(default_factory=list)
+    """Reasons of the problems that cannot be taken, in their order."""
 
     def count(self, sentence: str, applies: bool) -> bool:
         """Count a problem if a sentence applies to it; return whether it does."""
@@ -58,6 +61,25 @@ class Converted:
         """Yield lines such as ``3 of 700: the start is blocked``."""
         for sentence, count in self.counts.items():
             yield f"{count} of {self.asked[sentence]}: {sentence}"
+        if self.left_out:
+            taken = max([len(self.situations), *self.asked.values()])
+            count = len(self.left_out)
+            yield f"{count} of {count + taken} left out: {'; '.join(self._reasons())}"
+
+    def _reasons(self) -> Iterator[str]:
+        """Yield a reason of each kind with the number of others that differ in numbers only."""
+        alike: dict[str, list[str]] = {}
+        for error in self.left_out:
+            _, _, reason = str(error).partition(": ")
+            alike.setdefault(re.sub(r"[-\d.]*\d[\de+-]*", "", reason), []).append(str(error))
+        for first, *others in alike.values():
+            yield f"{first} (and {len(others)} like it)" if others else first
+
+    def at_least_one(self) -> Converted:
+        """Return itself; raise the first reason if every problem was left out."""
+        if self.left_out and not self.situations:
+            raise self.left_out[0]
+        return self
 
 
 class Converter(Protocol):
@@ -66,7 +88,7 @@ class Converter(Protocol):
     summary: ClassVar[str]
 
     def convert(self, sources: Sequence[Path]) -> Converted:
-        """Return the situations of files or folders."""
+        """Return the situations of files or folders; problems that cannot be taken are counted."""
 
 
 def model_named(arm: str) -> ChainModel:

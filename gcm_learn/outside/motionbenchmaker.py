@@ -25,10 +25,11 @@ from gcm_learn.outside.converted import (
 from gcm_learn.outside.in_motion import in_motion
 from gcm_learn.outside.moveit import base_of, bodies_of, goal_of, posture_of, start_of
 from gcm_learn.outside.nodes import Node
-from gcm_learn.outside.sources import texts, yaml_node
+from gcm_learn.outside.sources import Refused, texts, yaml_node
 from gcm_learn.seeding import rng
 from gcm_learn.situation import Situation
 
+Files = dict[str, tuple[str, str]]  # name and text of scene and request
 FILES = r"(scene|request)(\d+)\.ya?ml"
 GRASPED = "the fingers may touch the object that they grasp"
 START_BLOCKED = "the start is blocked"
@@ -66,12 +67,16 @@ class MotionBenchMaker:
         non_negative(0 if self.moving is None else self.moving, "moving")
         result, names = Converted(), set()
         for source in sources:
-            for name, scene, request in _pairs(source):
-                if name in names:
-                    raise FileFormatError(f"{scene.file}: there is another problem {quote(name)}")
-                names.add(name)
-                result.situations.append(self._convert(name, scene, request, result))
-        return result
+            for name, files in _problems(source, result.left_out.append):
+                try:
+                    scene, request = _pair(files)
+                    if name in names:
+                        raise scene.error(f"there is another problem {quote(name)}")
+                    result.situations.append(self._convert(name, scene, request, result))
+                    names.add(name)
+                except (FileFormatError, SituationError) as error:
+                    result.left_out.append(error)
+        return result.at_least_one()
 
     def _convert(
         self, name: str, scene: Node, request: Node, counts: Converted
@@ -106,19 +111,23 @@ class MotionBenchMaker:
             raise scene.at("robot_model_name").error(reason) from None
 
 
-def _pairs(source: Path) -> Iterator[tuple[str, Node, Node]]:
-    """Return name, scene and request of every problem of a folder or an archive."""
-    found: dict[tuple[str, str], dict[str, tuple[str, str]]] = {}
-    for file, text in texts(source, FILES):
+def _problems(source: Path, refused: Refused) -> Iterator[tuple[str, Files]]:
+    """Return name and files of every problem of a folder or an archive."""
+    found: dict[tuple[str, str], Files] = {}
+    for file, text in texts(source, FILES, refused):
         path = Path(file)
         match = re.fullmatch(FILES, path.name)
         if match is None:
             raise FileFormatError(f"{source}: is neither a folder nor a tar archive")
         found.setdefault((str(path.parent), match[2]), {})[match[1]] = (file, text)
     for (folder, number), files in found.items():
-        for kind, other in (("scene", "request"), ("request", "scene")):
-            if kind not in files:
-                there = files[other][0]
-                raise FileFormatError(f"{there}: there is no {kind} of that number beside it")
-        name = f"{Path(folder).name}-{number}"
-        yield name, yaml_node(*files["scene"]), yaml_node(*files["request"])
+        yield f"{Path(folder).name}-{number}", files
+
+
+def _pair(files: Files) -> tuple[Node, Node]:
+    """Return scene and request of a problem."""
+    for kind, other in (("scene", "request"), ("request", "scene")):
+        if kind not in files:
+            there = files[other][0]
+            raise FileFormatError(f"{there}: there is no {kind} of that number beside it")
+    return yaml_node(*files["scene"]), yaml_node(*files["request"])

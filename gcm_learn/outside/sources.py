@@ -20,7 +20,10 @@ _OPENERS: dict[str, Callable[..., Any]] = {".gz": gzip.open, ".bz2": bz2.open, "
 _DAMAGED = (tarfile.TarError, EOFError, zlib.error, lzma.LZMAError)
 
 
-def texts(source: Path, wanted: str) -> list[tuple[str, str]]:
+Refused = Callable[[FileFormatError], object]
+
+
+def texts(source: Path, wanted: str, refused: Refused | None = None) -> list[tuple[str, str]]:
     """Return name and text of the files of a source, in the order of their names.
 
     Parameters
@@ -29,6 +32,8 @@ def texts(source: Path, wanted: str) -> list[tuple[str, str]]:
         A folder, searched with all folders in it, a tar archive, or a file that may be compressed.
     wanted : str
         Regular expression that names of files in folders and archives match.
+    refused : callable, optional
+        Called with the error of a file that is no text; else it is raised.
 
     Raises
     ------
@@ -36,17 +41,25 @@ def texts(source: Path, wanted: str) -> list[tuple[str, str]]:
         If the source cannot be read or has no such file.
     """
     try:
-        found = sorted(
-            (name, content.decode("utf-8-sig")) for name, content in _files(source, wanted)
-        )
-    except UnicodeDecodeError as error:
-        raise FileFormatError(f"{source}: is not UTF-8 text ({error.reason})") from None
+        found = sorted(_files(source, wanted))
     except (OSError, ValueError, *_DAMAGED) as error:
         reason = getattr(error, "strerror", None) or error
         raise FileFormatError(f"{source}: cannot be read ({reason})") from None
     if not found:
         raise FileFormatError(f"{source}: has no file whose name matches {wanted}")
-    return found
+    made = []
+    for name, content in found:
+        try:
+            made.append((name, content.decode("utf-8-sig")))
+        except UnicodeDecodeError as error:
+            _refuse(FileFormatError(f"{name}: is not UTF-8 text ({error.reason})"), refused)
+    return made
+
+
+def _refuse(error: FileFormatError, refused: Refused | None) -> None:
+    if refused is None:
+        raise error
+    refused(error)
 
 
 def _files(source: Path, wanted: str) -> Iterator[tuple[str, bytes]]:
@@ -66,20 +79,24 @@ def _files(source: Path, wanted: str) -> Iterator[tuple[str, bytes]]:
             yield str(source), stream.read()
 
 
-def json_nodes(sources: Iterable[Path], wanted: str) -> Iterator[Node]:
-    """Return the value of every JSON file.
+def json_nodes(
+    sources: Iterable[Path], wanted: str, refused: Refused | None = None
+) -> Iterator[Node]:
+    """Return the value of every JSON file; see `texts`.
 
     Raises
     ------
     FileFormatError
     """
     for source in sources:
-        for name, text in texts(source, wanted):
+        for name, text in texts(source, wanted, refused):
             try:
-                yield Node(name, "", parse(text))
+                value = parse(text)
             except JsonTextError as error:
                 reason = f"not valid JSON: {error.reason}"
-                raise FileFormatError(f"{name}:{error.line}: {reason}") from None
+                _refuse(FileFormatError(f"{name}:{error.line}: {reason}"), refused)
+            else:
+                yield Node(name, "", value)
 
 
 def yaml_node(name: str, text: str) -> Node:

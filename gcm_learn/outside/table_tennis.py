@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
@@ -65,17 +65,16 @@ class TableTennis:
 
     def convert(self, sources: Sequence[Path]) -> Converted:
         """Return a situation for each ball that comes within reach."""
-        balls = [row for node in json_nodes(sources, FILES) for row in node.rows()]
-        names = _names(balls)
         positive(self.horizon, "horizon")
-        states = np.array([_state(row) for row in balls]).reshape(-1, len(FIELDS))
         arm, result = self._arm(), Converted()
+        balls = _balls(json_nodes(sources, FILES, result.left_out.append), result)
+        names, states = list(balls), np.array(list(balls.values())).reshape(-1, len(FIELDS))
         for first in range(0, len(balls), CHUNK):
             chosen = slice(first, first + CHUNK)
             flown = flights(facing(states[chosen]), self.horizon)
             for name, flight in zip(names[chosen], flown, strict=True):
                 self._add(name, flight, arm, result)
-        if not result.situations:
+        if not result.at_least_one().situations:
             raise FileFormatError(f"{sources[0]}: no ball comes within the arm's reach")
         blocked = is_blocked(result.situations[0])  # the arm and the table are the same in all
         for _ in result.situations:
@@ -105,18 +104,26 @@ class TableTennis:
         result.situations.append(Situation(name, horizon, arm, (ball, table())))
 
 
-def _names(balls: Sequence[Node]) -> list[str]:
-    """Return a name for each ball: of its `id`, or of its number in the list."""
-    names: list[str] = []
-    seen: set[str] = set()
-    for k, row in enumerate(balls):
-        given = row.find("id") if "id" in row.members() else None
-        name = f"ball-{row.value['id'] if given is not None else k}"
-        if name in seen:
-            raise row.inside("id").error("is given twice")
-        seen.add(name)
-        names.append(name)
-    return names
+def _balls(nodes: Iterator[Node], result: Converted) -> dict[str, list[float]]:
+    """Return the states of balls by name: of their `id`, or of their number."""
+    found: dict[str, list[float]] = {}
+    for node in nodes:
+        try:
+            rows = node.rows()
+        except FileFormatError as error:
+            result.left_out.append(error)
+            continue
+        for row in rows:
+            try:
+                given = row.find("id") if "id" in row.members() else None
+                number = len(found) + len(result.left_out)
+                name = f"ball-{row.value['id'] if given is not None else number}"
+                if name in found:
+                    raise row.inside("id").error("is given twice")
+                found[name] = _state(row)
+            except FileFormatError as error:
+                result.left_out.append(error)
+    return found
 
 
 def _state(row: Node) -> list[float]:

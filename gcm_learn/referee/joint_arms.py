@@ -17,7 +17,7 @@ from gcm_learn.referee.limits import Limits, hand_complaints, joint_complaints
 from gcm_learn.referee.models import shipped_model
 from gcm_learn.referee.rotations import Array, rotations, unit
 from gcm_learn.referee.situations import check_model
-from gcm_learn.referee.tolerances import TOLERANCES, Tolerances
+from gcm_learn.referee.tolerances import AT_LIMIT, TOLERANCES, Tolerances
 
 Columns = Mapping[str, Array]
 Models = Mapping[str, Mapping[str, Any]]
@@ -197,8 +197,8 @@ def _arm(
     ignored: Iterable[tuple[int, str]],
     points: Mapping[str, tuple[int, Any]],
 ) -> JointArm:
-    first = np.array(posture, dtype=float)
     joints = model["joints"]
+    first = _started(posture, [joint["range"] for joint in joints if "follows" not in joint])
     low, high = np.array([joint["range"] for joint in joints], dtype=float).T
     limits = Limits(
         low,
@@ -218,6 +218,14 @@ def _arm(
         grasp=grasp,
         ignored=set(ignored),
     )
+
+
+def _started(posture: Any, ranges: Any) -> Array:
+    """Return the coordinates (n,) at t = 0; those that are nearly in their ranges are the bound."""
+    given = np.array(posture, dtype=float)
+    bound = np.clip(given, *np.array(ranges, dtype=float).T)
+    near = np.abs(given - bound) <= AT_LIMIT * np.maximum(1.0, np.abs(bound))
+    return np.where(near, bound, given)
 
 
 def _accelerations(joints: Any, given: Any) -> Array:

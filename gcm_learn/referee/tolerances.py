@@ -10,6 +10,8 @@ from dataclasses import dataclass
 
 ROUNDING = 1e-14
 """Of differences of joints and of times, relative to their size."""
+AT_LIMIT = 1e-5
+"""Share of the larger of 1 and a bound by which a posture beyond it is the bound; *contract*."""
 WORK = 400_000
 """Intervals that are examined for one promise of one solution; more is a complaint."""
 WORK_BROKEN = 10_000

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+import tarfile
 
 import pytest
 
@@ -74,9 +75,67 @@ def test_damaged_scenes_are_refused_by_name(name, damage, tmp_path, capsys):
     shutil.copytree(DATA / "shelf", folder)
     text = (folder / name).read_text("utf-8")
     (folder / name).write_text(text[: len(text) // 2] if damage is None else damage, "utf-8")
-    assert main(["convert", "motionbenchmaker", str(folder), "--out", str(out)]) == 2
+    command = ["convert", "motionbenchmaker", str(folder), "--out", str(out)]
+    assert main(command) == 0
+    last = capsys.readouterr().err.splitlines()[-1]
+    assert last.startswith("1 of 2 left out: ") and name in last
+    assert [s.name for s in read_situations(out)] == ["shelf-0002"]
+    for path in folder.glob("*0002.yaml"):
+        path.unlink()
+    out.unlink()
+    assert main(command) == 2
     stdout, stderr = capsys.readouterr()
     assert stdout == "" and stderr.count("\n") == 1 and name in stderr and not out.exists()
+
+
+def test_an_archive_goes_on_after_what_it_cannot_take(tmp_path, capsys):
+    """Goals of two arms, a posture out of range, and a text that is none."""
+    folder, out = tmp_path / "problems", tmp_path / "out.jsonl"
+    for name, old, new in (
+        ("both_arms", "panda_joint7", "panda_right_joint7"),
+        ("far", "-2.356, 0,", "2.356, 0,"), ("farther", "-2.356, 0,", "2.456, 0,"),
+        ("binary", "", ""), ("shelf", "", ""), ("edge", "-2.356, 0,", "-3.0718001, 0,"),
+    ):  # fmt: skip
+        shutil.copytree(DATA / "shelf", folder / name)
+        for path in folder.glob(f"{name}/*0002.yaml"):
+            path.unlink()
+        request = folder / name / "request0001.yaml"
+        request.write_text(request.read_text("utf-8").replace(old, new), "utf-8")
+    (folder / "binary" / "request0001.yaml").write_bytes(b"\xff\xfe")
+    archive = tmp_path / "problems.tar.bz2"
+    with tarfile.open(archive, "w:bz2") as tar:
+        tar.add(folder, "problems")
+    assert main(["convert", "motionbenchmaker", str(archive), "--out", str(out)]) == 0
+    *_, last = capsys.readouterr().err.splitlines()
+    start, reasons = last.split(" left out: ")
+    assert start == "5 of 7"
+    assert [s.name for s in read_situations(out)] == ["edge-0001", "shelf-0001"]
+    assert read_situations(out)[0].arm.joints[3] == -3.0718
+    both, far = (r for r in reasons.split("; ") if "both_arms" in r or "far/" in r)
+    assert "joint7" in both and far.endswith("(and 1 like it)")
+    assert "posture[3]: 2.356 is outside its range" in far and "is not UTF-8" in reasons
+
+
+@pytest.mark.parametrize("suite", TEXTS)
+def test_a_file_that_cannot_be_read_does_not_stop_the_others(suite, tmp_path, capsys):
+    (tmp_path / "a.json").write_text("{", "utf-8")
+    (tmp_path / "b.json").write_text(TEXTS[suite], "utf-8")
+    (tmp_path / "c.json").write_bytes(b"\xff")
+    out = tmp_path / "out.jsonl"
+    assert main(["convert", suite, str(tmp_path), "--out", str(out)]) == 0
+    last = capsys.readouterr().err.splitlines()[-1]
+    assert last.startswith("2 of ") and "a.json" in last and "c.json: is not UTF-8" in last
+    assert len(read_situations(out)) > 0
+
+
+def test_a_ball_without_a_number_is_left_out_alone(balls):
+    def spoil(rows):
+        rows[0]["pos_x"] = "here"
+
+    whole, (source, *_) = CONVERTERS["table-tennis"](), [balls(spoil)]
+    result = whole.convert([source])
+    assert len(result.left_out) == 1 and "[0].pos_x: must be a number" in str(result.left_out[0])
+    assert list(result.notes())[-1].startswith("1 of ") and result.situations
 
 
 @pytest.mark.parametrize("suite", CONVERTERS)

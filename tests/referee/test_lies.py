@@ -388,6 +388,24 @@ def test_a_name_in_ignore_stands_for_all_links_of_that_name():
         words(situation, solution)
 
 
+@pytest.mark.parametrize(("off", "fine"), [(0.999e-5, True), (1.001e-5, False)])
+@pytest.mark.parametrize("case", ["spatial", "chain"])
+def test_a_start_nearly_in_its_range_is_the_bound(case, off, fine):
+    """The true answer begins on the bound, though the file asks for a posture beyond it."""
+    situation, solution = true(case)
+    arm = situation["arm"]
+    chain = case == "chain"
+    key = "posture" if chain else "joints"
+    ranges = [joint["range"] for joint in arm["model"]["joints"]] if chain else arm["joint_range"]
+    start = arm[key][0]
+    ways = [row[0] for row in solution["trajectory"]["joints"]]
+    side = 0 if min(ways) >= start - 1e-9 else 1
+    assert side == 0 or max(ways) <= start + 1e-9
+    ranges[0][side] = start
+    arm[key][0] = start + (2 * side - 1) * off * max(1.0, abs(start))
+    assert (words(situation, solution) == "") == fine
+
+
 def test_there_are_many_lies_for_every_kind():
     count = {case: sum(lie[0] == case for lie in LIES) for case in MADE}
     assert sum(count.values()) > 100 and min(count.values()) >= 4

@@ -125,6 +125,20 @@ def test_models_are_written_in_the_oldest_format_that_holds_them(model):
     assert arm_to_json(model)["format"] == f"gcm-learn/arm@{1 + named}"
 
 
+@pytest.mark.parametrize("kind", ["chain", "spatial"])
+def test_a_posture_nearly_in_its_range_is_the_bound(kind):
+    scene, key = (CHAIN, "posture") if kind == "chain" else (OLDER, "joints")
+    given = situation_from_json(scene)
+    for k, ends in enumerate(given.arm.joint_range):
+        for bound, away in zip(ends, (-1, 1), strict=True):
+            off = away * max(1.0, abs(bound))
+            for share in (1e-16, 1e-9, 0.999e-5):
+                near = changed(scene, ("arm", key, k), bound + share * off)
+                assert situation_from_json(near).arm.joints[k] == bound
+            with pytest.raises(SituationError, match=rf"arm\.{key}\[{k}\]: .* outside its range"):
+                situation_from_json(changed(scene, ("arm", key, k), bound + 1.001e-5 * off))
+
+
 def test_a_name_in_ignore_stands_for_all_links_of_that_name():
     links = [LINK | {"name": name} for name in ("base", "fore", "fore")]
     model = MODEL | {"format": "gcm-learn/arm@2", "links": links}
