@@ -126,9 +126,6 @@ def _situation(version: Format) -> Schema:
     else:
         result |= {"if": {"required": ["plane"]}}
         result |= {"then": _within("bodies", solid), "else": _within("bodies", flat)}
-    if len(version.catches) > 1:
-        one = {"contains": _has("role", "target"), "maxContains": 1}
-        result |= {"if": _within("catch", {"const": "any"}), "then": _within("bodies", one)}
     return result
 
 

@@ -134,7 +134,7 @@ class Situation(Generic[ArmKind]):
         The arm's plane, present exactly when a planar arm is in a 3D scene.
     catch : {"any", "all", "most"}
         Targets to be caught: one of them, every one, or as many as possible.  Only
-        ``gcm-learn/situation@3`` has more than "any", and takes exactly one target with it.
+        ``gcm-learn/situation@3`` has more than "any".
     format : str, optional
         Version of the exchange format; the first one of the arm's kind by default.
     """
@@ -190,11 +190,8 @@ class Situation(Generic[ArmKind]):
                 if self.horizon > longest:
                     reason = f"{self.horizon:g} s is over {MOST_PERIODS} periods of bodies[{k}]"
                     raise SituationError("horizon", f"{reason} (at most {longest:g})")
-        count = len(self.targets)
-        if count == 0:
+        if not self.targets:
             raise SituationError("bodies", f"no target among {len(self.bodies)} bodies")
-        if count > 1 and self.catch == "any" and len(FORMATS[self.format].catches) > 1:
-            raise SituationError("catch", f'"any" is for one target (there are {count})')
 
     def _check_dimension(self, body: Body, field: str) -> None:
         """Refuse a body that does not live in the arm's space."""

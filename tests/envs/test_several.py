@@ -73,6 +73,15 @@ def test_an_episode_goes_on_until_all_targets_are_caught(name):
 
 
 @pytest.mark.parametrize("name", ENVS)
+def test_an_episode_that_asks_for_any_is_over_with_the_first_catch(name):
+    make, arm = ENVS[name]
+    *_, last = played(make(situations=two_balls(arm, "any")))
+    info = last[4]
+    assert last[2] and info["outcome"] == "caught" and info["is_success"]
+    assert len(info["caught"]) == 1
+
+
+@pytest.mark.parametrize("name", ENVS)
 def test_a_caught_target_is_observed_no_more(name):
     """The observation is that of the situation without it, at the same posture and time."""
     make, arm = ENVS[name]
