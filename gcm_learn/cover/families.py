@@ -40,7 +40,7 @@ class Parameter:
 class ParametricFamily:
     """Situations that differ in a few numbers, on which motions of bodies depend linearly.
 
-    Shapes, orientations, the arm and the horizon are as in `middle`.
+    Shapes, orientations and the arm are as in `middle`; the horizon is as long or longer.
     """
 
     name: str
@@ -117,7 +117,7 @@ class ParametricFamily:
     def parameters_of(self, situation: AnySituation) -> np.ndarray | None:
         """Return the parameters (K,) of a situation; None if it is of another family."""
         middle, bodies = self.middle, situation.bodies
-        if situation.arm != middle.arm or abs(situation.horizon - middle.horizon) > SAME:
+        if situation.arm != middle.arm or situation.horizon < middle.horizon - SAME:
             return None
         if situation.catch != middle.catch or situation.plane != middle.plane:
             return None

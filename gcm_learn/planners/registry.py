@@ -13,6 +13,7 @@ from gcm_learn.planners.by_arm import ByArm
 from gcm_learn.planners.outside import LIMIT, Outside
 from gcm_learn.planners.plan import Anytime, Deadline, Plan, Planner, taken
 from gcm_learn.planners.references import acts, found, instance, name_of
+from gcm_learn.planners.stages import Staged
 from gcm_learn.situation import AnySituation, Situation
 
 _PLANNERS: dict[str, str | ByKind[str]] = {
@@ -57,6 +58,8 @@ _ABOVE = {
     "splines-random": "gcm_learn.recall.planners:SplinesPlanner",
 }
 """Factories in higher folders, imported at the first use."""
+WHOLE = ("covered", "oracle", "st-rrt-star")
+"""Planners that look at any horizon as a whole."""
 _ACTORS = "gcm_learn.policies.planner:tried_out"
 _POLICIES = "gcm_learn.policies.outside:planner_of"
 Made = TypeVar("Made")
@@ -105,16 +108,15 @@ def get_planner(given: str | Any, *, name: str = "", limit: float | None = LIMIT
         return cast(Planner, given)
     if not isinstance(given, str):
         return _outside(given, name or name_of(given), limit)
-    if given in _PLANNERS:
-        return as_ours(_made(given))
-    if given in _ABOVE:
-        return as_ours(pkgutil.resolve_name(_ABOVE[given])())
+    if is_registered(given):
+        known = _made(given) if given in _PLANNERS else pkgutil.resolve_name(_ABOVE[given])()
+        return as_ours(known if given in WHOLE else Staged(known))
     object_named = found(given)
     if object_named is not None:
         return _outside(object_named, name or given, limit)
     tried_out = pkgutil.resolve_name(_ACTORS)(given)
     if tried_out is not None:
-        return as_ours(tried_out)
+        return as_ours(Staged(tried_out))
     raise UnknownNameError.among("planner", given, [*planner_names(), *sorted(_ABOVE)])
 
 

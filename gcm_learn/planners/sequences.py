@@ -57,7 +57,7 @@ def caught_in_turn(
     for course in order(leg, best, halt):
         best = course
     legs = [*best.legs, *(plan for plan in asked if not plan.caught)]
-    return joined(situation, legs, 1e3 * (clock.perf_counter() - since))
+    return joined(situation, legs or [leg(best.now)], 1e3 * (clock.perf_counter() - since))
 
 
 def joined(situation: AnySituation, legs: Sequence[Plan], spent: float) -> Plan:

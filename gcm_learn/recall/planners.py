@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import lru_cache, partial
-from typing import Any, ClassVar
+from typing import Any, ClassVar, cast
 
 import numpy as np
 
@@ -321,7 +321,7 @@ def shipped_memory(name: str, kind: Kind = PLANAR) -> Memory:
 
 
 _memory = lru_cache(maxsize=8)(shipped_memory)
-_planner = lru_cache(maxsize=8)(get_planner)
+_planner = lru_cache(maxsize=8)(lambda name: cast(Any, get_planner(name)).planner)
 
 
 def _by_arm(planner: RecallPlanner, name: str) -> RecallPlanner:

@@ -45,6 +45,13 @@ def test_answers_are_verified_catches(cover):
         assert (plan.name, plan.planner) == ("drawn", "covered")
 
 
+def test_a_later_horizon_loses_no_catch(plane):
+    _, situation = drawn(plane)
+    for times in (10.0, 1000.0):
+        plan = CoveredPlanner((plane,)).plan(replace(situation, horizon=times * situation.horizon))
+        assert plan.caught
+
+
 def test_plans_are_records_like_others(plane):
     _, situation = drawn(plane)
     plan = CoveredPlanner((plane,)).plan(situation)
@@ -56,7 +63,7 @@ def test_plans_are_records_like_others(plane):
 @pytest.mark.parametrize(
     ("change", "reason"),
     [
-        (lambda s: replace(s, horizon=1.7), "no family has this situation"),
+        (lambda s: replace(s, horizon=0.5 * s.horizon), "no family has this situation"),
         (lambda s: replace(s, bodies=s.bodies[:-1]), "no family has this situation"),
         (lambda s: replace(s, bodies=s.bodies[::-1]), "no family has this situation"),
         (

@@ -8,9 +8,10 @@ from gcm_learn import seeding
 from gcm_learn.compiled import njit
 from gcm_learn.planners.completion import SpatialProblem
 from gcm_learn.planners.joints.pull import box, pulled
+from gcm_learn.planners.stages import stages
 from gcm_learn.situation import AnySituation
 
-INSTANTS = 12  # of a horizon that are asked
+INSTANTS = 12  # of a stage that are asked
 DRAWS = 2  # postures that are pulled to a target at each
 
 
@@ -23,8 +24,9 @@ def soonest(situation: AnySituation) -> dict[str, float]:
         Times of the targets that can be met at all [s].
     """
     study = SpatialProblem(situation, "soonest").study
-    times = situation.horizon * np.arange(1, INSTANTS + 1) / INSTANTS
-    goals = seeding.rng(0).random((INSTANTS, DRAWS, study.goal.size))
+    shares, parts = np.arange(1, INSTANTS + 1), stages(situation, situation.horizon)
+    times = np.unique([start + (end - start) * shares / INSTANTS for start, end in parts])
+    goals = seeding.rng(0).random((times.size, DRAWS, study.goal.size))
     found = {}
     for k, body in enumerate(situation.bodies):
         if body.role == "target":
