@@ -3,12 +3,13 @@
 from gcm_learn.collision.distance import arm_distance, limb_segment2, segment_distance
 from gcm_learn.collision.intervals import NEVER
 from gcm_learn.collision.occupancy import Postures, blocked_cells, first_touch, postures_of
-from gcm_learn.collision.postures import WORK, desk_of
+from gcm_learn.collision.postures import UNLIMITED, WORK, desk_of
 from gcm_learn.collision.sweep import DEEPEST, Sweep, least_distance
 
 __all__ = [
     "DEEPEST",
     "NEVER",
+    "UNLIMITED",
     "WORK",
     "Postures",
     "Sweep",

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from gcm_learn.arms import Arm, SpatialArm
-from gcm_learn.collision import WORK
+from gcm_learn.collision import UNLIMITED, WORK
 from gcm_learn.maps import CognitiveMap
 from gcm_learn.motion import (
     HOLE_MARGIN,
@@ -57,8 +57,9 @@ class Task:
         """See `Plan`."""
         self.gain = GAIN * situation.horizon
         """By how much a catch must be earlier to be looked for [s]."""
-        self.budget = np.full(1, WORK)
-        """Distances (1,) along moves that may still be computed; negative when they are spent."""
+        self.budget = np.full(1, WORK if deadline is None else UNLIMITED)
+        """Distances (1,) along moves that may still be computed; negative when they are spent.
+        A deadline takes their place."""
         self.situation = situation
         self.planner = planner
         self.scene: Scene = pack(situation) if scene is None else scene

@@ -9,8 +9,9 @@ import pytest
 
 from gcm_learn import families, get_planner
 from gcm_learn.motion import Failure
-from gcm_learn.planners import Deadline, layered, search_in_space
+from gcm_learn.planners import Deadline, TreeSearch, layered, search_in_space
 from gcm_learn.planners.goal_directed import SLICE as LABELS
+from gcm_learn.planners.joints import tree_search
 from gcm_learn.planners.joints.tree_search import SLICE as POSTURES
 from gcm_learn.planners.plan import GAIN, deadline_of
 
@@ -93,9 +94,9 @@ def test_trees_end_when_they_find_nothing_earlier():
     caught = 0
     for situation in SPACE:
         clock, first = Ticks(), planner.plan(situation)
-        plan = planner.plan(situation, deadline=Deadline(1e9, clock))
-        assert clock.reads < 1000
         if first.caught:
+            plan = planner.plan(situation, deadline=Deadline(1e9, clock))
+            assert clock.reads < 1000
             assert plan.catch_time <= first.catch_time
             caught += 1
     assert caught >= 8
@@ -113,6 +114,16 @@ def test_limits_of_acceleration_are_kept_by_the_deadline_too():
         assert times == sorted(times, reverse=True)
         stopped += plans[0].failure is Failure.OUT_OF_TIME
     assert stopped > 0
+
+
+def test_a_deadline_takes_the_place_of_the_limits_of_work(monkeypatch):
+    situation = families.draw("panda-crowded", 3, 0)
+    short = TreeSearch(rounds=1)
+    assert short.plan(situation).failure is Failure.NO_TREE
+    assert after(short, situation, 300)[0].caught
+    monkeypatch.setattr(tree_search, "WORK", 0)
+    assert TreeSearch().plan(situation).failure is Failure.OUT_OF_WORK
+    assert after(TreeSearch(), situation, 300)[0].caught
 
 
 def test_names_take_deadlines():

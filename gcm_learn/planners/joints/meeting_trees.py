@@ -34,6 +34,8 @@ TRIES = 3  # nearest nodes of the other tree to which a new node is connected
 NEARER = 3  # moves to a drawn state that are tried, each half as long as the one before
 NEARER_GOAL = 4  # likewise from one to a posture that catches, which is often in a narrow place
 HASTY = 0.25  # share of moves that are as fast as they may be
+ROUND = 20  # price of a round, in distances along moves
+SCANNED = 64  # nodes that are looked at for the price of one
 RARE = 3  # draws that may fail in place of one, while there is no goal
 
 
@@ -197,7 +199,8 @@ def search_trees(study, trees, rounds, horizon, way):
     bool
     """
     vain = RARE * rounds if trees.size[FROM_CATCH] == 0 else 0
-    while rounds > 0:
+    while rounds > 0 and study.desk.budget[0] >= 0:
+        study.desk.budget[0] -= ROUND + (trees.size[0] + trees.size[1]) // SCANNED
         root = draw_goal(study, trees, horizon)
         if root < 0 and trees.size[FROM_CATCH] == 0 and vain > 0:
             vain -= 1

@@ -2,20 +2,32 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 import numpy as np
 
+from gcm_learn.collision import WORK
 from gcm_learn.motion import Failure, Movement
 from gcm_learn.planners.completion import Attempt, SpatialProblem, checked
 from gcm_learn.planners.joints.meeting_trees import search_trees
+from gcm_learn.planners.joints.moves import Study
 from gcm_learn.planners.joints.ramped_ways import hasten_ramped, ramped_samples, shorten_ramped
+from gcm_learn.planners.joints.still_trees import (
+    GOALS,
+    fitted,
+    parted,
+    search_still,
+    straighten,
+    timed,
+)
 from gcm_learn.planners.joints.straight import at_once, earliest_straight
-from gcm_learn.planners.joints.trees import Trees, new_trees
+from gcm_learn.planners.joints.trees import Trees, new_trees, roomier
 from gcm_learn.planners.joints.ways import Way, hasten, new_way, samples_of, shorten
 from gcm_learn.planners.plan import Deadline, Plan, deadline_of, end_of, in_joints
+from gcm_learn.scene import TOP_SPEED
 from gcm_learn.situation import AnySituation
 
 SLICE = 100
@@ -24,6 +36,16 @@ ROUNDS = 6000
 PATIENCE = 40
 VAIN = 10
 """Pairs of trees in a row that find nothing earlier, after which the search ends."""
+MANY = 16
+"""Times as many postures as the first pair of trees that later ones draw at most, by a deadline."""
+LINKS = 16
+"""Links of an arm that make a distance along a move twice as dear."""
+FINISH = 300
+"""Price of finishing a way, in distances along moves."""
+TURNS = 4
+"""One of so many turns is for trees in time; the others are for obstacles that rest."""
+ROOM = 1000
+"""Nodes that new trees can hold."""
 Begin = Callable[[SpatialProblem, Trees, float, Way], bool]
 """Plants nodes into new trees, given the last instant of a catch [s]; the way is written if they
 meet."""
@@ -76,7 +98,14 @@ class TreeSearch:
         first = simple(problem)
         if first is not None and first.catch_time is not None and first.catch_time <= end:
             return first
-        plan = self._before(problem, end, self.seed, self.rounds)
+        if problem.deadline is None:
+            links = np.size(getattr(problem.scene.limb, "radii", 0))
+            problem.budget[0] = WORK / (1.0 + links / LINKS)
+        seed, rounds = self.seed, self.rounds
+        plan = self._before(problem, end, seed, rounds)
+        while not plan.caught and problem.deadline is not None and not problem.over:
+            seed, rounds = seed + 1, min(2 * rounds, MANY * self.rounds)
+            plan = self._before(problem, end, seed, rounds)
         if plan.caught:
             plan = self._sooner(problem, plan)
         return replace(plan, planning_ms=problem.elapsed_ms, nodes=problem.nodes)
@@ -95,17 +124,28 @@ class TreeSearch:
 
     def _before(self, problem: SpatialProblem, end: float, seed: int, rounds: int) -> Plan:
         """A catch until `end` [s], by trees that are grown from new."""
-        study = problem.study
-        trees = new_trees(study, rounds + 2, seed, problem.accelerates)
-        way, found = new_way(study.goal.size), None
-        if self.begin is not None and self.begin(problem, trees, end, way):
-            found = _finished(problem, trees.moves, way)
-        while rounds > 0 and found is None and not problem.over and problem.budget[0] >= 0:
-            size = min(SLICE, rounds)
-            rounds -= size
-            if search_trees(study, trees, size, end, way):
-                found = _finished(problem, trees.moves, way)
-        problem.nodes += int(trees.size.sum()) - 1  # the start was there
+        study, way = problem.study, new_way(problem.study.goal.size)
+        still, moving = parted(study)
+        calm = not study.scene.bodies.rows[:, TOP_SPEED].any()
+        both = not problem.accelerates and still.desk.obstacles.size > 0
+        trees = [new_trees(study, ROOM, seed, problem.accelerates) for _ in range(1 + both)]
+        found, turn, left = None, 0, float(rounds)
+        if self.begin is not None and self.begin(problem, trees[0], end, way):
+            found = _finished(problem, trees[0].moves, way, end)
+        while left > 0 and found is None and not problem.over and problem.budget[0] >= 0:
+            k = int(both and (calm or turn % TURNS > 0))
+            size, turn = min(SLICE, math.ceil(left)), turn + 1
+            left -= (GOALS if calm else 0.0) * size if k else size
+            if int(trees[k].size.max()) + 3 * size > trees[k].time.shape[1]:
+                trees[k] = roomier(trees[k])
+            if k and search_still(still, study, trees[k], size, end, way):
+                found = _stilled(problem, still, None if calm else moving, trees[k], way, end)
+                problem.budget[0] -= FINISH
+                problem.nodes += int(trees[k].size.sum()) - 1
+                trees[k].size[:] = 1, 0  # another way may be quicker
+            elif not k and search_trees(study, trees[k], size, end, way):
+                found = _finished(problem, trees[k].moves, way, end)
+        problem.nodes += sum(int(one.size.sum()) - 1 for one in trees)  # the start was there
         if found is not None:
             return found
         return problem.answer(Failure.OUT_OF_TIME if problem.over else Failure.NO_TREE)
@@ -121,8 +161,26 @@ def layered_in_space() -> TreeSearch:
     return search_in_space("layered")
 
 
-def _finished(problem: SpatialProblem, moves: Any, way: Way) -> Plan | None:
-    """The way as a plan without needless postures, its catch made earlier; None if it is broken."""
+def _stilled(
+    problem: SpatialProblem, still: Study, moving: Study | None, trees: Trees, way: Way, end: float
+) -> Plan | None:
+    """The way among obstacles that rest as a plan, timed among those that move, if any can."""
+    short, when = new_way(problem.study.goal.size), way.left[way.size[0] - 1]
+    timed(still, way)
+    shorten(still, way, short)
+    late = short.reached[short.size[0] - 1] > (end if moving is None else when)
+    if late:
+        straighten(still, short)
+    if moving is not None and not fitted(moving, short, trees, when):
+        return None
+    return _finished(problem, trees.moves, short, end)
+
+
+def _finished(problem: SpatialProblem, moves: Any, way: Way, end: float) -> Plan | None:
+    """The way as a plan without needless postures, its catch made earlier.
+
+    None if it is broken, or later than `end` [s].
+    """
     study, short = problem.study, new_way(problem.study.goal.size)
     samples: tuple[np.ndarray, ...]
     if problem.accelerates:
@@ -133,5 +191,7 @@ def _finished(problem: SpatialProblem, moves: Any, way: Way) -> Plan | None:
         shorten(study, way, short)
         hasten(study, short)
         *samples, body = samples_of(study, short)
+    if samples[0][-1] > end:
+        return None
     path = Movement(problem.situation.arm, *samples)
     return checked(problem, Attempt(path, int(body)))[0]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -54,6 +54,16 @@ def new_trees(study: Study, size: int, seed: int, accelerates: bool) -> Trees:
     trees.rates[FROM_START, 0] = study.scene.limb.rates
     trees.size[FROM_START] = 1
     return trees
+
+
+def roomier(trees: Trees) -> Trees:
+    """Return the same trees, able to hold twice as many nodes."""
+    more: dict[str, Any] = {
+        name: np.concatenate([rows, rows], axis=1)
+        for name in ("joints", "rates", "time", "begin", "end", "free", "via")
+        for rows in [getattr(trees, name)]
+    }
+    return trees._replace(body=np.concatenate([trees.body, trees.body]), **more)
 
 
 @njit(_nrt=False)

@@ -1,0 +1,91 @@
+"""Trees in joints alone: worlds at rest, and ways that are timed among what moves."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from gcm_learn import families
+from gcm_learn.motion import Failure
+from gcm_learn.planners import TreeSearch
+from gcm_learn.planners.completion import SpatialProblem
+from gcm_learn.planners.joints import tree_search
+from gcm_learn.planners.joints.moves import time_of
+from gcm_learn.planners.joints.still_trees import fitted, parted, search_still, straighten, timed
+from gcm_learn.planners.joints.trees import new_trees
+from gcm_learn.planners.joints.ways import new_way
+from gcm_learn.scene import pose
+from gcm_learn.situation import SolidQuadratic
+from tests.judging import judge
+
+REST = (0.0, 0.0, 0.0)
+REACHED, SHUT_IN = (5, 7, 10, 11, 19), 8  # of the draws at rest
+
+
+def drawn(index):
+    """Return a Panda among many obstacles, without limits of acceleration."""
+    situation = families.draw("panda-crowded", 7, index)
+    arm = replace(situation.arm, max_joint_acceleration=None, joint_rates=None)
+    return replace(situation, arm=arm)
+
+
+def at_rest(index):
+    """Return a drawn situation in which bodies stay where they are in the middle of it."""
+    situation = drawn(index)
+    bodies = []
+    for k, body in enumerate(situation.bodies):
+        place, _ = pose(situation, k, 0.5 * situation.horizon)
+        bodies.append(replace(body, motion=SolidQuadratic(tuple(place.tolist()), REST, REST)))
+    return replace(situation, bodies=tuple(bodies))
+
+
+def met(situation, seed):
+    """Return study, trees and the first way that trees find among what rests."""
+    problem = SpatialProblem(situation, "search")
+    study, way = problem.study, new_way(problem.study.goal.size)
+    still, moving = parted(study)
+    trees = new_trees(study, 4000, seed, False)
+    assert search_still(still, study, trees, 4000, situation.horizon, way)
+    return still, moving, trees, way
+
+
+def test_no_tree_in_time_is_grown_in_a_world_at_rest(monkeypatch):
+    monkeypatch.setattr(tree_search, "search_trees", None)
+    for index in REACHED:
+        situation = at_rest(index)
+        plan = TreeSearch().plan(situation)
+        assert plan.caught and judge(situation, plan) == []
+        sooner = TreeSearch().plan(situation, bound=0.98 * plan.catch_time)
+        assert not sooner.caught or sooner.catch_time <= 0.98 * plan.catch_time
+
+
+@pytest.mark.parametrize("index", REACHED)
+def test_a_way_is_straightened_without_becoming_longer(index):
+    still, _, _, way = met(at_rest(index), 1)
+    before, ends = timed(still, way), way.joints[[0, way.size[0] - 1]].copy()
+    straighten(still, way)
+    assert timed(still, way) <= before + 0.1 * before
+    assert np.array_equal(way.joints[[0, way.size[0] - 1]], ends)
+
+
+def test_a_way_that_fits_ends_when_it_should():
+    fits = 0
+    for seed in range(1, 12):
+        still, moving, trees, way = met(drawn(3), seed)
+        end = way.left[way.size[0] - 1]
+        if not fitted(moving, way, trees, end):
+            continue
+        fits, n = fits + 1, way.size[0]
+        assert way.left[n - 1] == end and way.reached[0] == 0.0
+        assert np.all(way.left[:n] >= way.reached[:n])
+        for k in range(n - 1):
+            least = time_of(still, way.joints[k], way.joints[k + 1])[0]
+            assert way.reached[k + 1] - way.left[k] >= least * (1.0 - 1e-9)
+    assert fits > 0
+
+
+def test_the_limit_of_work_ends_a_search_that_has_no_goal():
+    plan = TreeSearch().plan(at_rest(SHUT_IN))
+    assert plan.failure is Failure.OUT_OF_WORK and plan.nodes == 0
