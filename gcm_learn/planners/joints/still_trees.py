@@ -22,7 +22,7 @@ from gcm_learn.scene.bodies import TOP_SPEED
 RANGE = 1.0 / 6.0  # longest step of a tree, in shares of the ways that joints have
 GOALS = 0.1  # share of rounds in which a goal is drawn, while there is one
 BALANCE = 0.9  # share of the other rounds in which the smaller tree grows
-ROUND, GOAL = 6, 40  # prices of a round and of drawing a goal, in distances along moves
+ROUND, GOAL = 6, 20  # prices of a round and of drawing a goal, in distances along moves
 SCANNED = 512  # nodes that are looked at for the price of one
 FITS = 24  # ways to spend spare time that are tried
 PASSES = 6  # of drawing a way straight
