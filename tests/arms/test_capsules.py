@@ -231,6 +231,14 @@ def test_only_links_that_one_joint_joins_are_left_out(tmp_path):
     assert named(made(tmp_path, MAST, capsules=1)) == {frozenset(("mast", "one"))}
 
 
+@pytest.mark.parametrize("axis, checked", [("1 0 0", 0), ("0 1 0", 1)])
+def test_tubes_of_a_telescope_may_lie_in_each_other(tmp_path, axis, checked):
+    tubes = {name: [bar(1.0 - 0.1 * k, 0.1 - 0.02 * k)] for k, name in enumerate("abc")}
+    slides = [("a", "b", "prismatic", "0.1 0 0", "1 0 0"), ("b", "c", "prismatic", "0.1 0 0", axis)]
+    model = made(tmp_path, urdf(tubes, slides), "a", "c", capsules=1).model
+    assert len(model.self_collision) == checked
+
+
 def test_bodies_of_mjcf_are_joined_by_their_joint(tmp_path):
     pytest.importorskip("mujoco")
     text = """<mujoco><compiler angle="radian"/><worldbody><body name="base">

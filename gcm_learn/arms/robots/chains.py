@@ -24,6 +24,8 @@ from gcm_learn.errors import RobotError, SituationError
 FULL_TURN = 2.0 * math.pi
 """Range to either side that joints without an end get [rad]."""
 CLEAR = 1e-12  # shorter numbers of rotations are rounding
+PARALLEL = 1.0 - 1e-6
+"""Least cosine of the angle of slides along one line."""
 
 
 class Fitted(NamedTuple):
@@ -245,11 +247,22 @@ def _solids(robot: Robot, frames: Mapping[str, tuple[int, np.ndarray]]) -> list[
 
 
 def _joined(robot: Robot) -> set[frozenset[str]]:
-    """Return pairs of links, by name, that one joint joins; in MJCF these are bodies."""
-    moving = [joint for joint in robot.joints if joint.type != "fixed"]
-    return {
-        frozenset((joint.parent, joint.child.removesuffix(f" at {joint.name}"))) for joint in moving
-    }
+    """Return pairs of links, by name, that one joint joins; in MJCF these are bodies.
+
+    Tubes of a telescope, which slide along one line, lie in each other and count as joined.
+    """
+    above = {joint.child: joint for joint in robot.joints if joint.type != "fixed"}
+    pairs = set()
+    for joint in above.values():
+        child, axis = joint.child.removesuffix(f" at {joint.name}"), np.array(joint.axis)
+        pairs.add(frozenset((joint.parent, child)))
+        while joint.type == "prismatic" and joint.parent in above:
+            axis = joint.origin[:3, :3] @ axis
+            joint = above[joint.parent]
+            if joint.type != "prismatic" or abs(axis @ joint.axis) < PARALLEL:
+                break
+            pairs.add(frozenset((joint.parent, child)))
+    return pairs
 
 
 def _drives(
