@@ -11,6 +11,7 @@ import numpy as np
 from gcm_learn.arms import CHAIN, PLANAR, SIDE, ByKind
 from gcm_learn.cover.limits import (
     CATCH_SAFETY,
+    LARGEST_TURN,
     STRAY,
     derivative,
     hand_room_at_catch,
@@ -151,7 +152,7 @@ def _hand_fault(scene: Scene, bundle: Bundle) -> str:
         return "hand speed"
     far = bundle.ramp * np.hypot(*bundle.most)
     turns = turn_bounds(bundle.way, far, rho) * way[:, None]
-    if stray(turns, rho).max() > STRAY:  # so turns are far below the largest that is verified
+    if turns.max() > LARGEST_TURN or stray(turns, rho).max() > STRAY:  # the first may be 1e300
         return "reach"
     most = np.array([limits.shoulder, limits.elbow])
     return "joint speed" if (turns > most * spans[:, None]).any() else ""

@@ -8,11 +8,11 @@ from gcm_learn.arms.limbs import hand_bound, hand_of, jacobian, lever, place
 from gcm_learn.compiled import njit
 from gcm_learn.motion.joint_interception import target_room
 from gcm_learn.motion.rules import CATCH_SAFETY, SAFETY
-from gcm_learn.motion.verification import STRAY
+from gcm_learn.motion.verification import LARGEST_TURN, STRAY
 from gcm_learn.scene.bodies import pose_at
 from gcm_learn.scene.shapes.choice import gap_in_plane
 
-__all__ = ["CATCH_SAFETY", "SAFETY", "STRAY"]  # kernels below are for this folder
+__all__ = ["CATCH_SAFETY", "LARGEST_TURN", "SAFETY", "STRAY"]  # kernels below are for this folder
 
 _ROUND = 1.0 + 1e-9  # bounds of curved ways are rounded up
 

@@ -33,8 +33,8 @@ def caught(ms, time):
     return Judged("caught", ms, 10, time, targets=1)
 
 
-def missed(ms, outcome="unreachable"):
-    return Judged(outcome, ms, 30, None)
+def missed(ms, outcome="unreachable", nodes=30):
+    return Judged(outcome, ms, nodes, None)
 
 
 def stood(suite, monkeypatch, methods):
@@ -56,7 +56,7 @@ def stood(suite, monkeypatch, methods):
     return {one.method: one for one in benchmark.standings(suite, runs)}
 
 
-QUICK = [caught(0.4, 0.5), caught(6.0, 1.0), missed(900.0), missed(2.0)]
+QUICK = [caught(0.4, 0.5), caught(6.0, 1.0), missed(900.0), missed(2.0, nodes=70)]
 SLOW = [caught(50.0, 0.75), missed(1.0, "broken"), caught(50.0, 2.0), missed(70.0, "error")]
 
 
@@ -81,7 +81,7 @@ def test_shares_count_what_can_be_caught_and_the_rest_by_stratum(suite, monkeypa
     assert slow.strata == {"L": (1, 2), "W": (1, 1), "U": (0, 1)}
     assert (slow.broken, slow.errors, quick.broken, quick.errors) == (1, 1, 0, 0)
     assert quick.targets == slow.targets == pytest.approx(2 / 3)
-    assert (quick.nodes, quick.answers) == (20.0, 4)
+    assert (quick.nodes, quick.answers) == (30.0, 4)
     assert slow.ratio == pytest.approx((1.5 + 1.0) / 2) and quick.ratio == 1.0
 
 
@@ -107,7 +107,15 @@ def _hits(row):
 
 
 def test_beside_a_catch_at_once_no_ratio_counts(suite, monkeypatch):
-    once = [caught(1.0, 0.0), caught(1.0, 1.0), missed(1.0), missed(1.0)]
-    late = [caught(1.0, 0.5), caught(1.0, 3.0), missed(1.0), missed(1.0)]
+    once = [caught(1.0, 0.0), caught(1.0, 3.0), missed(1.0), missed(1.0)]
+    late = [caught(1.0, 0.5), caught(1.0, 1.0), missed(1.0), missed(1.0)]
     found = stood(suite, monkeypatch, {"once": (1.0, once), "late": (1.0, late)})
-    assert (found["once"].ratio, found["late"].ratio) == (1.0, 3.0)
+    assert (found["once"].ratio, found["late"].ratio) == (2.0, 1.0)
+
+
+def test_what_is_out_of_reach_is_not_among_the_catches(suite, monkeypatch):
+    """Even if a method catches it, as its stratum says that it cannot."""
+    answers = [caught(1.0, 1.0), missed(1.0), missed(1.0), caught(1.0, 1.0)]
+    found = stood(suite, monkeypatch, {"one": (1.0, answers)})["one"]
+    assert found.caught == wilson(1, 3) and found.targets == pytest.approx(1 / 3)
+    assert found.strata["U"] == (0, 1) and len(found.times_ms) == 1

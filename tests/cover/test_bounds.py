@@ -60,16 +60,28 @@ def spatial(*obstacles):
     return Situation("bounds", 1.5, SPATIAL, (target, *balls))
 
 
-def chain(*pairs):
-    """Return a situation of a chain without obstacles; pairs of its links must not overlap."""
+def chain(*pairs, balls=()):
+    """Return a situation of a chain and balls; pairs of its links must not overlap."""
     given = {"kind": "chain", "model": MODELS["slide"] | {"self_collision": pairs}, "grasp": 0.03}
     given["posture"] = [0.0, 0.3, 0.0]
-    body = {"role": "target", "name": "part", "shape": {"kind": "sphere", "radius": 0.05}}
-    body["motion"] = {"kind": "quadratic", "position": [9.0] * 3} | {
-        name: [0.0] * 3 for name in ("velocity", "acceleration")
-    }
+    bodies = [
+        {
+            "role": role,
+            "name": f"ball {k}",
+            "shape": {"kind": "sphere", "radius": 0.05},
+            "motion": {
+                "kind": "quadratic",
+                "position": list(place),
+                "velocity": list(velocity),
+                "acceleration": [0.0] * 3,
+            },
+        }
+        for k, (role, place, velocity) in enumerate(
+            [("target", (9.0,) * 3, (0.0,) * 3), *(("obstacle", *ball) for ball in balls)]
+        )
+    ]
     about = {"format": "gcm-learn/situation@3", "name": "bounds", "horizon": 1.5}
-    return situation_from_json(about | {"arm": given, "bodies": [body]})
+    return situation_from_json(about | {"arm": given, "bodies": bodies})
 
 
 def axes_of(situation, places):

@@ -146,6 +146,9 @@ CASES |= {
         0.0, replace(SPATIAL, max_hand_speed=1.5), parameter("part", "position", ALONG, 0.5), TURN,
     ),
     "grasp of bent rules": (4.0, SPATIAL, parameter("part", "position", ALONG, 0.5), TURN),
+    "grasp of stiff rules": (
+        1.5, SPATIAL, parameter("part", "position", ALONG, 0.5), TURN | {"gain": 0.0},
+    ),
     "post in space": (3.0, SPATIAL, parameter("part", "position", ALONG, 0.5), TURN | POST),
     "post is moved in space": (
         1.5, SPATIAL, parameter("post", "position", ALONG, 0.5), TURN | POST,

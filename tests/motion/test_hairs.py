@@ -7,13 +7,22 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from gcm_learn.arms import SIDE, Arm, SpatialArm, forward_in_space
+from gcm_learn.arms import SIDE, Arm, SpatialArm, forward_in_space, joints_of
 from gcm_learn.motion import Failure, Movement, rules_of, verify
+from gcm_learn.motion.joint_interception import ANGLE
 from gcm_learn.motion.joint_verification import hand_too_fast, piece_fault
 from gcm_learn.motion.rules import CATCH_SAFETY, SAFETY
 from gcm_learn.motion.verification import joint_turns, nearest_to_shoulder
 from gcm_learn.scene import pack
-from gcm_learn.situation import Body, Disc, PlanarQuadratic, Situation, SolidQuadratic, Sphere
+from gcm_learn.situation import (
+    Approach,
+    Body,
+    Disc,
+    PlanarQuadratic,
+    Situation,
+    SolidQuadratic,
+    Sphere,
+)
 
 HAIR = 1e-9
 START, GOAL = (1.2, 0.3), (0.9, 1.0)
@@ -129,6 +138,67 @@ def test_the_place_nearest_to_the_shoulder_may_be_anywhere_on_a_way():
     assert nearest_to_shoulder(hand[:1]) == pytest.approx(np.linalg.norm(hand[0]))
 
 
+def by_definition(hand, rho, side, parts):
+    """Return the turns (2,) of a segment by their definition: mean rates, and rates at places."""
+
+    def joints(s):
+        places = hand[0] + np.atleast_1d(s)[:, None] * (hand[1] - hand[0])
+        return joints_of(places, rho, side)
+
+    share = np.linspace(0.0, 1.0, parts + 1)
+    means = parts * np.abs(np.diff(joints(share), axis=0)).max(axis=0)
+    way = hand[1] - hand[0]
+    nearest = np.clip(-(hand[0] @ way) / (way @ way), 0.0, 1.0)
+    rates = [np.abs(joints(s + 1e-6) - joints(s - 1e-6))[0] / 2e-6 for s in (*share, nearest)]
+    return np.maximum(means, np.max(rates, axis=0))
+
+
+@pytest.mark.parametrize("rho", [0.6, 1.0, 1.6])
+@pytest.mark.parametrize("parts", [1, 2, 5])
+def test_turns_of_segments_are_those_of_their_definition(rho, parts):
+    rng, seen = np.random.default_rng(parts), 0
+    for _ in range(60):
+        angle, radius = rng.uniform(-3.0, 3.0), rng.uniform(abs(rho - 1.0) + 0.02, rho + 0.98, 2)
+        turn = np.array((angle, angle + rng.uniform(-1.0, 1.0)))
+        hand = radius[:, None] * np.stack([np.cos(turn), np.sin(turn)], axis=1)
+        if nearest_to_shoulder(hand) < abs(rho - 1.0) + 0.01 or abs(turn).max() > 3.0:
+            continue
+        for side in (-1.0, 1.0):
+            found = joint_turns(hand, rho, side, parts)[0]
+            assert found == pytest.approx(by_definition(hand, rho, side, parts), rel=1e-3)
+            seen += 1
+    assert seen > 20
+
+
+def test_near_the_shoulder_joints_do_not_leap():
+    """A hand goes a little way there, while the arm turns far."""
+    arm = Arm((0.01, 0.0), 3.0, grasp=0.02)
+    for turn, wrong in ((0.45, None), (0.55, Failure.SINGULAR)):
+        goal = 0.01 * np.array((np.cos(turn), np.sin(turn)))
+        assert failure(in_plane(arm, at=goal), [0.0, 0.5], [arm.hand, goal]) is wrong
+
+
+def test_every_piece_of_a_way_is_followed_by_the_joints():
+    """Too few samples in the first, a middle or the last part of a way."""
+    for k in (0, 11, 22, 33, 43):  # the last sample stays
+        kept = np.delete(np.arange(60), np.arange(k + 1, k + 16))
+        assert failure(in_plane(), TIME[kept], WAY[kept]) is Failure.ASTRAY
+
+
+def test_an_approach_is_kept_up_to_a_hair():
+    """The angle between the hand's axis and that of the target, in space."""
+    situation, time, joints = reaching()
+    elbow, hand = forward_in_space(SPACE, TURNED)
+    ahead = (hand - elbow) / np.linalg.norm(hand - elbow)
+    other = np.cross(ahead, (0.0, 0.0, 1.0))
+    aside = np.cos(0.3) * ahead + np.sin(0.3) * other / np.linalg.norm(other)
+    for extra, wrong in ((1.9, None), (2.1, Failure.MISSED)):
+        approach = Approach(tuple(aside.tolist()), 0.3 - extra * ANGLE)
+        target = replace(situation.bodies[0], approach=approach)
+        third = replace(situation, bodies=(target,), format="gcm-learn/situation@3")
+        assert failure(third, time, joints) is wrong
+
+
 def test_a_plan_keeps_its_distance():
     """Beyond the hand's last place: the thickness, the post's radius, and the safety of plans."""
     ahead = np.array((-0.39, 0.92)) / np.linalg.norm((-0.39, 0.92))
@@ -180,6 +250,7 @@ BENT = {
     "turns back from below": ((0.0, -1.0, 1.0, 0.0), (0.0, -0.25), 1.0, (2.0, 2.0)),
     "fastest in the middle": ((0.0, 0.0, 3.0, -2.0), (1.0, 0.0), 1.5, (6.0, 6.0)),
     "fastest at the end": ((0.0, 0.0, 0.0, 1.0), (1.0, 0.0), 3.0, (0.0, 6.0)),
+    "hardest at the begin": ((0.0, 3.0, -3.0, 1.0), (1.0, 0.0), 3.0, (6.0, 0.0)),
     "twice back": ((0.0, 1.0, -3.0, 2.0), (0.09622504486, -0.09622504486), 1.0, (6.0, 6.0)),
 }  # fmt: skip
 
@@ -227,3 +298,59 @@ def test_the_fastest_hand_is_found_wherever_it_is(seed):
     most = fastest(moves)
     assert not hand_too_fast(limb, moves, 1.001 * most, np.zeros(4))
     assert hand_too_fast(limb, moves, 0.999 * most, np.zeros(4))
+
+
+FIRST = {
+    "in the middle": (TURNED, 3, (0.0, 0.0, 0.3, -0.2)),
+    "soon after the begin": (TURNED, 3, (0.0, 0.1, 0.02, -0.2 / 3.0)),
+    "of a stretched arm": (0.0 * TURNED, 1, (0.0, 0.5, 0.0, 0.0)),
+    "at the begin": (TURNED, 0, (0.0, 0.4, -0.2, 0.0)),
+}
+
+
+@pytest.mark.parametrize("name", FIRST)
+def test_the_fastest_hand_of_one_joint_is_found(name):
+    """Slow at both ends, or a little faster than at an end, as rates change little."""
+    place, joint, row = FIRST[name]
+    moves = np.stack([place, *np.zeros((3, 4))], axis=1)
+    moves[joint, 1:] = row[1:]
+    limb, most = pack(reaching()[0]).limb, fastest(moves)
+    assert not hand_too_fast(limb, moves, 1.0005 * most, np.zeros(4))
+    assert hand_too_fast(limb, moves, 0.9995 * most, np.zeros(4))
+
+
+def test_the_last_piece_of_a_move_keeps_its_distance():
+    """A ball that only the last of three pieces comes near to."""
+    situation, _, joints = reaching()
+    way = np.linspace(*np.array(joints), 4)
+    hand = [forward_in_space(SPACE, q)[1] for q in way]
+    ahead = (hand[3] - hand[2]) / np.linalg.norm(hand[3] - hand[2])
+    for gap, wrong in ((0.02, None), (-0.005, Failure.COLLISION)):
+        place = tuple((hand[3] + (0.05 + 0.02 + gap) * ahead).tolist())
+        law = SolidQuadratic(place, (0.0,) * 3, (0.0,) * 3)
+        post = Body("obstacle", "post", Sphere(0.02), law)
+        both = replace(situation, bodies=(*situation.bodies, post))
+        assert failure(both, np.linspace(0.0, 0.8, 4), way) is wrong
+
+
+def test_rates_begin_as_the_arm_moves():
+    """Under limits of acceleration, a catch at t = 0 included, where the hand may be too fast."""
+    rates = (0.0, 0.5, 0.0, 0.0)
+    arm = replace(SPACE, max_joint_acceleration=(99.0,) * 4, joint_rates=rates)
+    situation, time, joints = reaching(arm)
+    scene = pack(situation)
+    for change, wrong in ((0.0, None), (1e-9, Failure.WRONG_START)):
+        given = np.array([np.add(rates, (0.0, 0.0, change, 0.0)), (0.0,) * 4])
+        moves = Movement(arm, np.array(time), np.array(joints), given)
+        verdict = verify(scene, rules_of(scene), moves, 0)
+        assert (None if verdict.good else verdict.reason.failure) is wrong
+    here = np.array([arm.joints])
+    hand = forward_in_space(SPACE, here[0])[1]
+    speed = 0.5 * np.hypot(hand[0], hand[1])  # the second joint turns about z
+    for share, wrong in ((1.001, None), (0.999, Failure.HAND_SPEED)):
+        fast = replace(arm, max_hand_speed=share * speed)
+        at_once = reaching(fast, goal=here[0])[0]
+        scene = pack(at_once)
+        moves = Movement(fast, np.zeros(1), here, np.array([rates]))
+        verdict = verify(scene, rules_of(scene), moves, 0)
+        assert (None if verdict.good else verdict.reason.failure) is wrong
