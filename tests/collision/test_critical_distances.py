@@ -94,7 +94,7 @@ MOVES = {
     "shoulder turns late": (spatial((side(0.95, 1, 0.2), STILL)), TURN[1]),
     "shoulder lifts": (spatial((side(0.3, 0, 0.2), STILL)), TURN[0]),
     "elbow bends": (spatial((side(0.8, 3, 0.1), STILL)), TURN[3]),
-    "upper arm passes": (spatial(((0.54, 0.26, 0.15), STILL)), TURN[1]),
+    "upper arm passes": (spatial(((0.567, 0.196, 0.15), STILL)), TURN[1]),
     "all turn": (spatial(((1.2, 0.9, 0.3), (0.0, -0.4, -0.3))), 0.6 * np.ones(4)),
     "second of two": (spatial(((0.0, 0.0, 3.0), STILL), (side(0.5, 1, 0.2), STILL)), TURN[1]),
 }

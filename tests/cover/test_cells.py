@@ -130,6 +130,21 @@ CASES = {
         {"gain": 0.0},
     ),
 }  # fmt: skip
+Y_BACK = (0.0, -1.0)
+CASES |= {  # what two parameters do adds up, even if they do the opposite
+    "grasp of opposites": (
+        1.5, PLANAR, parameter("part", "position", Y, 0.5),
+        parameter("part", "position", Y_BACK, 0.5), {"gain": 0.0},
+    ),
+    "hand deviates by opposites": (
+        1.5, PLANAR, parameter("part", "position", Y, 0.5),
+        parameter("part", "position", Y_BACK, 0.5), {"post": AT_END},
+    ),
+    "post is moved by opposites": (
+        1.5, PLANAR, parameter("post", "position", Y, 0.5),
+        parameter("post", "position", Y_BACK, 0.5), {"post": AT_END},
+    ),
+}  # fmt: skip
 SLOW = replace(SPATIAL, max_joint_speed=(0.55, 9.0, 9.0, 9.0))
 ALONG = (0.0, 0.0, 1.0)
 CASES |= {
@@ -148,6 +163,10 @@ CASES |= {
     "grasp of bent rules": (4.0, SPATIAL, parameter("part", "position", ALONG, 0.5), TURN),
     "grasp of stiff rules": (
         1.5, SPATIAL, parameter("part", "position", ALONG, 0.5), TURN | {"gain": 0.0},
+    ),
+    "grasp of opposites in space": (
+        1.5, SPATIAL, parameter("part", "position", ALONG, 0.5),
+        parameter("part", "position", (0.0, 0.0, -1.0), 0.5), TURN | {"gain": 0.0},
     ),
     "post in space": (3.0, SPATIAL, parameter("part", "position", ALONG, 0.5), TURN | POST),
     "post is moved in space": (

@@ -302,7 +302,7 @@ def test_the_fastest_hand_is_found_wherever_it_is(seed):
 
 FIRST = {
     "in the middle": (TURNED, 3, (0.0, 0.0, 0.3, -0.2)),
-    "soon after the begin": (TURNED, 3, (0.0, 0.1, 0.02, -0.2 / 3.0)),
+    "soon after the begin": (TURNED, 3, (0.0, 0.01, 0.002, -0.02 / 3.0)),
     "of a stretched arm": (0.0 * TURNED, 1, (0.0, 0.5, 0.0, 0.0)),
     "at the begin": (TURNED, 0, (0.0, 0.4, -0.2, 0.0)),
 }
