@@ -43,6 +43,10 @@ class Deadline:
         """True after the deadline."""
         return self._clock() >= self._end
 
+    def part(self, share: float) -> Deadline:
+        """Return a deadline after a share (0 to 1) of the time that is left."""
+        return Deadline(max(share * (self._end - self._clock()), 0.0), self._clock)
+
 
 def deadline_of(given: float | Deadline | None) -> Deadline | None:
     """Convert seconds to a deadline; return a deadline or None unchanged."""

@@ -52,7 +52,9 @@ class Staged:
         if todo == [(0.0, end_of(situation, bound))]:
             given |= {} if bound is None else {"bound": bound}
             return cast(Plan, self.planner.plan(situation, **given))
-        for start, end in todo:
+        for k, (start, end) in enumerate(todo):
+            if limit is not None:  # else the first stage would take it all
+                given["deadline"] = limit.part(1.0 / (len(todo) - k))
             stage = replace(situation, horizon=end)
             plan = self.planner.plan(later(stage, start) if start else stage, **given)
             blocked = plan.status == "start_blocked" and not start

@@ -11,8 +11,8 @@ import pytest
 from gcm_learn import Arm, Body, Disc, PlanarQuadratic, Situation, get_planner, solve
 from gcm_learn.arms import kind_of
 from gcm_learn.families import draw, family_names
-from gcm_learn.planners.plan import takes
-from gcm_learn.planners.stages import _spans, quiet_from, spans_within_reach
+from gcm_learn.planners.plan import Deadline, Plan, takes
+from gcm_learn.planners.stages import Staged, _spans, quiet_from, spans_within_reach, stages
 from gcm_learn.scene import later, pose
 from gcm_learn.situation import Pendulum
 from tests.judging import judge
@@ -95,6 +95,24 @@ def test_a_target_that_comes_late_is_caught(family, planner):
     plan = solve(situation, planner)
     assert plan.caught and judge(situation, plan) == []
     assert 80.0 < plan.catch_time < 100.0
+
+
+def test_stages_share_a_deadline():
+    """The planner takes all the time that it gets."""
+    now, asked = [0.0], []
+
+    class Wasteful:
+        def plan(self, situation, deadline):
+            while not deadline.over:
+                now[0] += 0.001
+            asked.append(now[0])
+            return Plan(situation.name, "wasteful", "unreachable", "", 0.0)
+
+    situation = delayed("static-clutter-space", 90.0)
+    Staged(Wasteful()).plan(situation, deadline=Deadline(2.0, lambda: now[0]))
+    parts = np.diff([0.0, *asked])
+    assert len(asked) == len(stages(situation, situation.horizon)) > 3
+    assert np.allclose(parts, 2.0 / len(parts), atol=0.01)
 
 
 def test_a_wait_that_is_not_free_is_no_part_of_a_plan():
