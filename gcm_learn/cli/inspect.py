@@ -30,7 +30,7 @@ class Inspect:
         for fault in faults:
             print(fault, file=sys.stderr)
         if self.verify and not faults:
-            print("the bytes of all shards are those of the manifest")
+            print("the bytes of all shards agree with the manifest")
         return 1 if faults else 0
 
 

@@ -196,7 +196,7 @@ def survey(path: str | os.PathLike[str]) -> Manifest:
 def faults_of(folder: Folder, *, hashes: bool = False) -> Iterator[str]:
     """Yield a line for each shard that is missing, cut, or not the one of the manifest.
 
-    Without `hashes` shards are told by their sizes, which is quick.
+    Without `hashes` only sizes are compared, which is quick.
     """
     manifest = read_manifest(folder)
     if manifest is None and hashes:
@@ -215,7 +215,7 @@ def faults_of(folder: Folder, *, hashes: bool = False) -> Iterator[str]:
             wanted = known[name]["bytes"]
             yield f"{folder.where(name)}: {size} bytes, the manifest says {wanted}"
         elif hashes and folder.sha256(name) != known[name]["sha256"]:
-            yield f"{folder.where(name)}: its bytes are not those of the manifest"
+            yield f"{folder.where(name)}: its bytes differ from the manifest"
 
 
 def spec_of(folder: Folder) -> DatasetSpec:

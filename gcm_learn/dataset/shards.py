@@ -143,7 +143,7 @@ def _kept(spec: DatasetSpec, shard: int, folder: Folder) -> list[Record]:
 
 
 def _rows_kept(spec: DatasetSpec, folder: Folder, name: str) -> int:
-    """Return how many items a stopped shard's file holds that this code made."""
+    """Return the number of items that a stopped shard's file has from this code."""
     if folder.exists(name):
         with suppress(DatasetError):
             info = info_of(folder, name)

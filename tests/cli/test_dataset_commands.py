@@ -108,7 +108,7 @@ def test_a_shard_that_is_cut_is_named(folder, tmp_path, capsys, manifest, left, 
 
 def test_a_byte_that_changed_is_found_by_checksums(folder, tmp_path, capsys):
     assert main(["inspect", folder, "--verify"]) == 0
-    assert "the bytes of all shards are those of the manifest" in capsys.readouterr().out
+    assert "the bytes of all shards agree with the manifest" in capsys.readouterr().out
     copy = Path(shutil.copytree(folder, tmp_path / "copy"))
     content = bytearray((copy / shard_name(2)).read_bytes())
     content[len(content) // 3] ^= 1
@@ -116,7 +116,7 @@ def test_a_byte_that_changed_is_found_by_checksums(folder, tmp_path, capsys):
     assert main(["inspect", str(copy)]) == 0
     capsys.readouterr()
     assert main(["inspect", str(copy), "--verify"]) == 1
-    assert f"{shard_name(2)}: its bytes are not those of the manifest" in capsys.readouterr().err
+    assert f"{shard_name(2)}: its bytes differ from the manifest" in capsys.readouterr().err
     (copy / "manifest.json").unlink()
     assert main(["inspect", str(copy), "--verify"]) == 2
     assert "has no manifest to check it against" in capsys.readouterr().err
