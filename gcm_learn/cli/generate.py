@@ -61,7 +61,9 @@ class Generate:
         spec = dataset.read_spec(self.spec)
         total = sum(len(spec.indices(k)) for k in range(part[0], spec.shards, part[1]))
         least = 1 if self.dry_run else WORTH_AN_ESTIMATE
-        told = dataset.estimate(spec, self.out, self.workers, part=part, least=least)
+        told = None
+        if self.dry_run or self.cluster is None:  # other machines take another time
+            told = dataset.estimate(spec, self.out, self.workers, part=part, least=least)
         if self.dry_run:
             print(_foreseen(self.out, told))
             return 0

@@ -125,7 +125,8 @@ def test_looks_are_not_checked_unless_they_are_taken(robot):
 def test_the_command_tells_and_takes_looks(tmp_path, capsys):
     file, out = tmp_path / "small.urdf", tmp_path / "arm.json"
     file.write_text(URDF.format(one=COVER, two=LOOKS, kind="revolute", limit=LIMIT), "utf-8")
-    command = ["arm", str(file), "--base", "base", "--tip", "two", "--out", str(out)]
+    command = ["arm", str(file), "--base", "base", "--tip", "two", "--capsules", "1"]
+    command += ["--out", str(out)]
     assert main(command) == 0
     said = capsys.readouterr().out
     assert "2 joints, 1 capsules" in said and "  no collision geometry: two; --visual" in said

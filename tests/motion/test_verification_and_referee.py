@@ -88,7 +88,7 @@ def movement(rng):
     base = {"origin": origin.tolist(), "rotation": (turn / np.linalg.norm(turn)).tolist()}
     arm = {"kind": "spatial", "upper_arm": upper, "forearm": fore, "base": base}
     if "rates" in path:
-        arm |= {"joint_rates": path["rates"][0], "max_joint_acceleration": []}
+        arm |= {"joint_rates": path["rates"][0], "max_joint_acceleration": [1.0] * 4}
     low, high, rates, bends, fastest = needs_of(arm, path)
     arm |= {"joints": path["joints"][0], "thickness": 0.0, "max_hand_speed": 1.1 * fastest}
     arm["joint_range"] = np.transpose([low - 0.1, high + 0.1]).tolist()

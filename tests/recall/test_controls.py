@@ -48,7 +48,7 @@ def test_recall_and_its_controls_may_check_equally_many(drawn):
 )
 def test_only_the_learned_index_learns_from_failures(drawn, name, learns):
     """Scores of controls are no odds, so a control keeps the order of its index."""
-    planner = get_planner(name)
+    planner = get_planner(name).planner  # without its stages
     in_order = replace(planner, penalty=0.0)
     found = [
         [(one.memory, one.checked) for one in map(who.recollect, drawn)]
@@ -112,7 +112,7 @@ def test_the_hybrid_plans_when_recall_fails_and_both_take_their_time(drawn, firs
 
 def test_a_hybrid_that_knows_nothing_is_layered():
     nothing, waits = RecallPlanner(Memory(RandomIndex())), 0
-    hybrids = HybridPlanner(nothing), replace(get_planner("hybrid"), recall=nothing)
+    hybrids = HybridPlanner(nothing), replace(get_planner("hybrid").planner, recall=nothing)
     for k in range(8):
         situation = families.draw(("gate", "late-target")[k % 2], 21, k)
         wanted = solve(situation, "layered")
