@@ -15,7 +15,8 @@ from gcm_learn.situation import situation_from_json, situation_to_json
 from tests.judging import judge
 
 FORMAT = "gcm-learn/situation@3"
-PLANNERS = ("search", "straight", "straight-wait", "gcm", "marching", "recall", "hybrid")
+QUICK, OTHERS = ("search", "straight", "recall"), ("straight-wait", "gcm", "marching", "hybrid")
+PLANNERS = [*QUICK, *(pytest.param(name, marks=pytest.mark.slow) for name in OTHERS)]
 FAMILIES = {CHAIN: "throw-chain", SPATIAL: "falling-space"}
 
 

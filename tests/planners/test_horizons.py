@@ -46,10 +46,14 @@ def held(planner, situation, times):
 
 @pytest.mark.parametrize("planner", QUICK)
 @pytest.mark.parametrize(
-    "family", ["late-target", "pendulum", "over-shelf-space", "falling-space", "throw-chain"]
-)
+    "family",
+    [
+        "late-target", "falling-space", "throw-chain",
+        *(pytest.param(name, marks=pytest.mark.slow) for name in ("pendulum", "over-shelf-space")),
+    ],
+)  # fmt: skip
 def test_a_catch_is_a_catch_at_later_horizons(family, planner):
-    for index in range(3):
+    for index in range(2):
         held(planner, draw(family, 5, index), TIMES)
 
 
