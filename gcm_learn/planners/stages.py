@@ -23,6 +23,7 @@ SHARES = tuple(2.0 ** (-0.5 * k) for k in range(6))
 STARTS = (0.0, 0.25, 0.5, 1.0, 2.0)  # of later stages, after the target comes [ordinary horizons]
 SPANS = 6  # in which a target is within reach that have stages of their own
 CALM = 4.0  # a world at rest is looked at so long [ordinary horizons]
+LEAST = 2.0**-20  # length of a stage, for arms that hardly can move [horizons]
 LOSS = 1e-12  # of digits where a body comes from afar
 
 
@@ -67,7 +68,7 @@ class Staged:
 
 def stages(situation: Any, horizon: float) -> list[tuple[float, float]]:
     """Return first and last instants of the stages up to a horizon [s]."""
-    ordinary = ORDINARY.of(situation) * crossing(situation.arm)
+    ordinary = max(ORDINARY.of(situation) * crossing(situation.arm), LEAST * horizon)
     if horizon <= ordinary:
         return [(0.0, horizon)]
     moving, calm = any(getattr(situation.arm, "joint_rates", None) or ()), quiet_from(situation)
@@ -86,7 +87,7 @@ def stages(situation: Any, horizon: float) -> list[tuple[float, float]]:
             found += [(t, min(t + ordinary, leave)) for t in since if t < leave]
     if not spans or found[-1][0] > 0.0:
         found.append((0.0, min(horizon, spans[-1][1] if spans else ordinary)))
-    return list(dict.fromkeys(found))
+    return [stage for stage in dict.fromkeys(found) if stage[0] < stage[1]] or [(0.0, horizon)]
 
 
 def _after_rest(situation: Any, plan: Plan, start: float) -> Plan:
@@ -166,8 +167,9 @@ def _inside(p: Any, v: Any, a: Any, room: Any, span: Any) -> tuple[np.ndarray, n
     ends = np.broadcast_to(span[:, None], p.shape)
     times = [np.zeros_like(p), ends]
     with np.errstate(all="ignore"):
-        for side in (-room, room):
-            larger = -v - np.copysign(np.sqrt(v * v - 2.0 * a * (p - side)), v)
+        for side in (-room, room):  # squares of tiny speeds are 0
+            root = np.where(a == 0.0, np.abs(v), np.sqrt(v * v - 2.0 * a * (p - side)))
+            larger = -v - np.copysign(root, v)
             times += [larger / a, 2.0 * (p - side) / larger]
         t: Any = np.stack(times)
         far = np.abs(p) + t * (np.abs(v) + np.abs(a) * t)

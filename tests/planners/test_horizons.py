@@ -158,3 +158,21 @@ def test_worlds_are_quiet_once_all_has_passed():
     thrown = replace(moving.targets[0].motion, acceleration=(0.0, -1.0), velocity=(0.0, 0.0))
     falls = replace(moving, bodies=(replace(moving.targets[0], motion=thrown),))
     assert quiet_from(falls) < 20.0
+
+
+@pytest.mark.parametrize("speed", [1e-232, 1e-160, 1e-9])
+def test_targets_that_hardly_move_stay_within_reach(speed):
+    law = PlanarQuadratic(position=(0.0, 0.0), velocity=(0.0, speed), acceleration=(0.0, 0.0))
+    arm = Arm(hand=(1.0, 0.0), max_hand_speed=4.0, elbow="left", grasp=0.0)
+    situation = Situation("slow", 1000.0, arm, (Body("target", "ball", Disc(0.5), law),))
+    ((since, until),) = spans_within_reach(situation, 1.0)
+    assert since == 0.0 and until * speed >= arm.reach
+    assert all(start < end for start, end in stages(situation, 1000.0))
+
+
+def test_an_arm_that_cannot_move_has_few_stages():
+    drawn = draw("throw-chain", 1, 0)
+    held = replace(drawn.arm.model.joints[0], range=(0.1, 0.1))
+    model = replace(drawn.arm.model, joints=(held,) * drawn.arm.dof)
+    arm = replace(drawn.arm, model=model, joints=(0.1,) * drawn.arm.dof, max_hand_speed=None)
+    assert len(stages(replace(drawn, arm=arm, horizon=10.0), 10.0)) < 200
