@@ -7,6 +7,7 @@ import os
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal, TextIO
 
@@ -16,7 +17,7 @@ from gcm_learn.cli.failures import CommandFailure, place_of
 from gcm_learn.cli.files import FileNames, made_folder, output, staged
 from gcm_learn.cli.progress import Progress
 from gcm_learn.cli.trajectories import Trajectories
-from gcm_learn.errors import GcmError
+from gcm_learn.errors import GcmError, SituationError
 
 if TYPE_CHECKING:
     from gcm_learn.planners import Plan, Planner
@@ -110,8 +111,21 @@ def read(file: str, planner: Planner | None = None) -> list[AnySituation]:
 
     if file == "-" and sys.stdin is None:
         raise CommandFailure("standard input is closed")
-    found = read_situations(file)
-    return [one if planner is None else taken(planner, one) for one in found]
+    if planner is None:
+        return read_situations(file)
+    found = read_situations(file, partial(_refuse_limits, planner))
+    return [taken(planner, situation) for situation in found]
+
+
+def _refuse_limits(planner: Planner, situation: AnySituation) -> None:
+    """Refuse an arm whose limits of acceleration a planner cannot keep."""
+    from gcm_learn.arms import kind_of
+    from gcm_learn.motion import Failure
+    from gcm_learn.planners import keeps_limits, takes
+
+    if takes(planner, kind_of(situation)) and not keeps_limits(planner, situation):
+        reason = f"{Failure.ACCELERATION_UNTAKEN.value}; search, recall and hybrid keep them"
+        raise SituationError("arm", reason)
 
 
 def plan_one(
@@ -122,14 +136,11 @@ def plan_one(
     A planner has a status for everything it cannot solve, so an exception is a defect, and a
     made-up solution in its place would be a false statement.
     """
-    from gcm_learn.motion import Failure
     from gcm_learn.planners import plan_with
 
     try:
-        plan = plan_with(planner, situation, deadline)
-        if plan.failure is Failure.ACCELERATION_UNTAKEN:
-            raise CommandFailure(f"{plan.message}; search, recall and hybrid keep them")
-        return plan
+        _refuse_limits(planner, situation)  # `execute` adds those of the motors
+        return plan_with(planner, situation, deadline)
     except GcmError as error:
         raise CommandFailure(f"{file}: situation {situation.name!r}: {error}") from error
     except Exception as error:
@@ -155,8 +166,7 @@ def _solve_all(
     scrolling = stream.isatty()  # the solutions themselves show how far it has come
     with Progress(len(situations), "situations", quiet=scrolling) as progress:
         if situations:  # once for nothing: planning_ms is not to count the loading of kernels
-            first = next(filter(_limited, situations), situations[0])  # it may be refused
-            plan_one(planner, first, file)
+            plan_one(planner, situations[0], file)
         for situation in situations:
             plan = plan_one(planner, situation, file, seconds)
             stream.write(_line(plan, situation, file))
@@ -164,11 +174,6 @@ def _solve_all(
             for draw in draws:
                 draw(situation, plan)
             progress.advance()
-
-
-def _limited(situation: AnySituation) -> bool:
-    """Return whether an arm's accelerations are limited, which some planners refuse."""
-    return getattr(situation.arm, "max_joint_acceleration", None) is not None
 
 
 def _line(plan: Plan, situation: AnySituation, file: str) -> str:

@@ -35,6 +35,7 @@ if TYPE_CHECKING:
         Plan,
         Planner,
         deadline_of,
+        keeps_limits,
         plan_to_json,
         taken,
         takes,
@@ -78,7 +79,7 @@ __getattr__ = late_names(__name__, {
     "outside": ("LIMIT", "broken_promise"),
     "plan": (
         "FAULTS", "GAIN", "Anytime", "Deadline", "Plan", "Planner", "deadline_of", "plan_to_json",
-        "taken", "takes",
+        "keeps_limits", "taken", "takes",
     ),
     "references": (
         "absolute", "acts", "found", "in_words", "instance", "name_of", "source_of",
@@ -146,6 +147,7 @@ __all__ = [
     "straight_plan",
     "study_of",
     "stratum",
+    "keeps_limits",
     "taken",
     "takes",
     "without_waits",

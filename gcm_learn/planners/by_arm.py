@@ -37,6 +37,10 @@ class ByArm:
         """Return whether there is a planner for arms of a kind."""
         return self._places.takes(kind)
 
+    def for_arm(self, situation: Any) -> Any:
+        """Return the planner for a situation's kind of arm."""
+        return self._make(self._places.of(situation))
+
     def plan(
         self,
         situation: Any,
@@ -45,5 +49,5 @@ class ByArm:
     ) -> Plan:
         """Answer a situation; a bound and a deadline are for planners that take them."""
         given = {"bound": bound, "deadline": deadline}
-        chosen = self._make(self._places.of(situation))
-        return chosen.plan(situation, **{k: v for k, v in given.items() if v is not None})
+        known = {k: v for k, v in given.items() if v is not None}
+        return self.for_arm(situation).plan(situation, **known)

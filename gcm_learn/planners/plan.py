@@ -111,7 +111,10 @@ class Plan:
 
 
 class Planner(Protocol):
-    """Anything that plans; one for other than planar arms has a function `takes`; see `takes`."""
+    """Anything that plans; one for other than planar arms has a function `takes`; see `takes`.
+
+    One that keeps no limits of acceleration has a false attribute `accelerates`.
+    """
 
     @property
     def name(self) -> str:
@@ -187,6 +190,14 @@ def any_arm(kind: Kind) -> bool:
 def takes(planner: Planner, kind: Kind) -> bool:
     """Return whether a planner takes arms of a kind; it says so by its function `takes`."""
     return bool(getattr(planner, "takes", in_plane)(kind))
+
+
+def keeps_limits(planner: Planner, situation: AnySituation) -> bool:
+    """Return whether a planner keeps the limits of acceleration that an arm has, if any."""
+    if getattr(situation.arm, "max_joint_acceleration", None) is None:
+        return True
+    for_arm = getattr(planner, "for_arm", None)  # of `ByArm`
+    return bool(getattr(planner if for_arm is None else for_arm(situation), "accelerates", True))
 
 
 def taken(planner: Planner, situation: AnySituation) -> AnySituation:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 from gcm_learn.checks import quote
@@ -22,7 +22,10 @@ __all__ = [
 ]
 
 
-def read_situations(path: str | Path) -> list[AnySituation]:
+Check = Callable[[AnySituation], object]
+
+
+def read_situations(path: str | Path, check: Check | None = None) -> list[AnySituation]:
     """Read every situation of a file; all are checked before any is returned.
 
     Parameters
@@ -31,6 +34,8 @@ def read_situations(path: str | Path) -> list[AnySituation]:
         A ``.json`` file holds one situation, a ``.jsonl`` file one per line (blank lines are
         skipped). ``-`` is standard input; it and files of any other name may hold either.
         Lines may be those of a suite, e.g. ``data/suites/demo.jsonl``.
+    check : callable, optional
+        Called with each situation; what it refuses by a SituationError is refused with its line.
 
     Raises
     ------
@@ -42,8 +47,8 @@ def read_situations(path: str | Path) -> list[AnySituation]:
     suffix = Path(path).suffix.lower()
     folder = Path() if str(path) == "-" else Path(path).parent
     if suffix == ".jsonl" or (suffix != ".json" and _starts_with_value_line(content)):
-        return _read_lines(content, name, folder)
-    return [_read_one(content, name, folder)]
+        return _read_lines(content, name, folder, check)
+    return [_read_one(content, name, folder, check)]
 
 
 def _read_text(path: str | Path, name: str) -> str:
@@ -78,22 +83,27 @@ def _starts_with_value_line(content: str) -> bool:
     return True
 
 
-def _read_one(content: str, name: str, folder: Path) -> AnySituation:
+def _read_one(content: str, name: str, folder: Path, check: Check | None) -> AnySituation:
     """Return the only situation of a text, which may span lines."""
     try:
-        return situation_from_json(parse(content), folder)
+        situation = situation_from_json(parse(content), folder)
+        if check is not None:
+            check(situation)
+        return situation
     except JsonTextError as error:
         raise FileFormatError(f"{name}:{error.line}: not valid JSON: {error.reason}") from None
     except SituationError as error:
         raise FileFormatError(f"{name}:{line_of(content, error.field)}: {error}") from None
 
 
-def _read_lines(content: str, name: str, folder: Path) -> list[AnySituation]:
+def _read_lines(content: str, name: str, folder: Path, check: Check | None) -> list[AnySituation]:
     """Return the situations of a text that has one on each line, under different names."""
     situations: list[AnySituation] = []
     for number, line in _filled_lines(content):
         try:
             situations.append(_named_situation(parse(line), folder))
+            if check is not None:
+                check(situations[-1])
         except JsonTextError as error:
             raise FileFormatError(f"{name}:{number}: not valid JSON: {error.reason}") from None
         except SituationError as error:

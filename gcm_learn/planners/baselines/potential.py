@@ -117,6 +117,8 @@ class PotentialPlanner:
     gain: float = 3e-4
     """eta of the repulsive potential, for an attractive force of 1; chosen on 300 situations."""
 
+    accelerates = False
+
     def takes(self, kind: Kind) -> bool:
         """Return whether there is a field for arms of a kind."""
         return _BY_KIND.takes(kind)

@@ -93,6 +93,8 @@ class STRRTStarPlanner:
     postures: tuple[tuple[float, ...], ...] = ()
     """Of chains: postures from which a quarter of the goals are pulled, such as known goals."""
 
+    accelerates = False
+
     def takes(self, kind: Kind) -> bool:
         """Return whether there is a search for arms of a kind."""
         return _BY_KIND.takes(kind)

@@ -32,6 +32,7 @@ class StraightPlanner:
 
     name: str = "straight"
     takes = staticmethod(any_arm)
+    accelerates = False
 
     def plan(self, situation: AnySituation) -> Plan:
         """Answer a situation."""
@@ -61,6 +62,7 @@ class StraightWaitPlanner:
     """Shares of the spare time that are spent before leaving, in the order of trying."""
 
     takes = staticmethod(any_arm)
+    accelerates = False
 
     def plan(self, situation: AnySituation) -> Plan:
         """Answer a situation."""
