@@ -138,7 +138,7 @@ def _kept(spec: DatasetSpec, shard: int, folder: Folder) -> list[Record]:
         return []
     try:
         return [Record(spec, {}, row) for row in read_columns(folder, name).to_pylist()]
-    except (OSError, pa.ArrowException):
+    except DamagedShardError:
         return []
 
 

@@ -136,8 +136,10 @@ def test_items_of_other_code_are_made_again(small, tmp_path, monkeypatch):
         assert shards._kept(small, 0, Folder(tmp_path)) == []
         make_shard(small, 0, str(tmp_path))
         assert len(shards._kept(small, 0, Folder(tmp_path))) == len(small.indices(0))
-    part.write_bytes(part.read_bytes()[:-50])
-    assert shards._kept(small, 0, Folder(tmp_path)) == []
+    whole = part.read_bytes()
+    for damaged in (whole[:-50], whole[:4] + bytes(2000) + whole[2004:]):
+        part.write_bytes(damaged)
+        assert shards._kept(small, 0, Folder(tmp_path)) == []
 
 
 def test_time_and_size_are_told_beforehand(tmp_path, capsys, small_folder):
