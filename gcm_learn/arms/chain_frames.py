@@ -74,7 +74,7 @@ def place_frames(rows, q, frames, axes, parents):
 
 
 @njit(_nrt=False, forceinline=True)
-def _turned_by(axes, k, x, y, z):
+def turned_by(axes, k, x, y, z):
     """Velocity (3) of a point that joint k turns at a unit of rate."""
     px, py, pz = x - axes[k, 0], y - axes[k, 1], z - axes[k, 2]
     ax, ay, az = axes[k, 3], axes[k, 4], axes[k, 5]
@@ -120,8 +120,8 @@ def travel_of(joints, axes, reaches, last, i, turns, rates, half, path):
                 qx, qy, qz, gain, turn = px, py, pz, turns[k], 0.0
                 changed = turns[k] - half * abs(rates[k])
             else:
-                px, py, pz = _turned_by(axes, k, x, y, z)
-                qx, qy, qz = _turned_by(axes, k, u, v, w)
+                px, py, pz = turned_by(axes, k, x, y, z)
+                qx, qy, qz = turned_by(axes, k, u, v, w)
                 off = max(px * px + py * py + pz * pz, qx * qx + qy * qy + qz * qz)
                 off, turn = np.sqrt(off) + way, turns[k]
                 gain, changed = turn * off, (turn - half * abs(rates[k])) * off

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from gcm_learn.arms.chain import Chain
-from gcm_learn.arms.chain_frames import REVOLUTE, place_frames, place_links, travel_of
+from gcm_learn.arms.chain_frames import REVOLUTE, place_frames, place_links, travel_of, turned_by
 from gcm_learn.arms.chain_limb import ChainLimb, chain_limb_of
 from gcm_learn.arms.curves import on_curve, rate_of, turn_of
 from gcm_learn.compiled import njit
@@ -84,16 +84,14 @@ def swept(limb, curve, s, half, place):
 def jacobian(limb, q, out):
     """Write the derivative of the hand by coordinates, after `place`, into `out` (3, n)."""
     hand = limb.radii.size
+    x, y, z = limb.reaches[hand, 0], limb.reaches[hand, 1], limb.reaches[hand, 2]
     _clear(out)
     for step in range(limb.depths[hand]):
         k = limb.paths[hand, step]
         j, factor = limb.leaders[k], limb.lines[k, 0]
         ax, ay, az = limb.axes[k, 3], limb.axes[k, 4], limb.axes[k, 5]
         if limb.joints[k, 0] == REVOLUTE:
-            x = limb.reaches[hand, 0] - limb.axes[k, 0]
-            y = limb.reaches[hand, 1] - limb.axes[k, 1]
-            z = limb.reaches[hand, 2] - limb.axes[k, 2]
-            ax, ay, az = ay * z - az * y, az * x - ax * z, ax * y - ay * x
+            ax, ay, az = turned_by(limb.axes, k, x, y, z)
         out[0, j] += factor * ax
         out[1, j] += factor * ay
         out[2, j] += factor * az

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from gcm_learn.arms import Arm, SpatialArm, forward, forward_in_space, joints_of
+from gcm_learn.arms import Arm, forward, forward_in_space, joints_of
 from gcm_learn.cover.catches import StoredCatch, doubt_of
 from gcm_learn.cover.families import Parameter, ParametricFamily
 from gcm_learn.cover.kinds import BENDING, stray
@@ -20,20 +20,11 @@ from gcm_learn.cover.limits import elbow_rates, hand_speeds, turn_bounds
 from gcm_learn.motion import rules_of, verify
 from gcm_learn.scene import pack
 from gcm_learn.situation import Body, Disc, PlanarQuadratic, Situation, SolidQuadratic, Sphere
+from tests.spatial import TURNED, TWO_BONES
 
 END = 0.8  # of movements [s]
 PLANAR = Arm((1.2, 0.3), 3.0, thickness=0.02, grasp=0.02)
 GOAL = (0.9, 1.0)
-SPATIAL = SpatialArm(
-    upper_arm=(1.0, 0.0, 0.0),
-    forearm=(0.8, 0.0, 0.0),
-    joints=(0.0, 0.0, 0.0, -0.9),
-    joint_range=((-3.0, 3.0),) * 4,
-    max_joint_speed=(9.0,) * 4,
-    grasp=0.05,
-    thickness=0.05,
-)
-TURNED = np.array((0.4, 0.3, 0.2, -0.7))
 
 
 def parameter(body, law, change, most):
@@ -46,7 +37,7 @@ def family(arm, *parameters, goal=GOAL, post=(5.0, 5.0), pace=(0.0, 0.0), sample
 
     The hand or the joints go straight to the target, whose places the parameters change.
     """
-    zero = (0.0,) * len(goal if isinstance(arm, Arm) else SPATIAL.upper_arm)
+    zero = (0.0,) * len(goal if isinstance(arm, Arm) else TWO_BONES.upper_arm)
     if isinstance(arm, Arm):
         shape, law, first, last = Disc(0.02), PlanarQuadratic, np.array(arm.hand), np.array(goal)
         target = goal
@@ -98,7 +89,7 @@ def largest(made, catch, reason):
 X, Y = (1.0, 0.0), (0.0, 1.0)
 TURN: dict[str, Any] = {"goal": TURNED}
 POST = {"post": (1.52, 0.0, -0.9)}
-RANGE = SPATIAL.joint_range
+RANGE = TWO_BONES.joint_range
 AT_END = (0.9, 1.1)
 CASES = {
     "hand speed": (1.5, replace(PLANAR, max_hand_speed=1.0), parameter("part", "position", Y, 0.5)),
@@ -145,32 +136,33 @@ CASES |= {  # what two parameters do adds up, even if they do the opposite
         parameter("post", "position", Y_BACK, 0.5), {"post": AT_END},
     ),
 }  # fmt: skip
-SLOW = replace(SPATIAL, max_joint_speed=(0.55, 9.0, 9.0, 9.0))
+SLOW = replace(TWO_BONES, max_joint_speed=(0.55, 9.0, 9.0, 9.0))
 ALONG = (0.0, 0.0, 1.0)
 CASES |= {
     "joint speed of a turn": (1.5, SLOW, parameter("part", "position", ALONG, 0.5), TURN),
     "joint range of high ends": (
-        1.5, replace(SPATIAL, joint_range=((-3.0, 0.45), *RANGE[1:])),
+        1.5, replace(TWO_BONES, joint_range=((-3.0, 0.45), *RANGE[1:])),
         parameter("part", "position", ALONG, 0.5), TURN,
     ),
     "joint range of low ends": (
-        1.5, replace(SPATIAL, joint_range=((-0.45, 3.0), *RANGE[1:])),
+        1.5, replace(TWO_BONES, joint_range=((-0.45, 3.0), *RANGE[1:])),
         parameter("part", "position", ALONG, 0.5), {"goal": TURNED * (-1.0, 1.0, 1.0, 1.0)},
     ),
     "hand speed in space": (
-        0.0, replace(SPATIAL, max_hand_speed=1.5), parameter("part", "position", ALONG, 0.5), TURN,
+        0.0, replace(TWO_BONES, max_hand_speed=1.5),
+        parameter("part", "position", ALONG, 0.5), TURN,
     ),
-    "grasp of bent rules": (4.0, SPATIAL, parameter("part", "position", ALONG, 0.5), TURN),
+    "grasp of bent rules": (4.0, TWO_BONES, parameter("part", "position", ALONG, 0.5), TURN),
     "grasp of stiff rules": (
-        1.5, SPATIAL, parameter("part", "position", ALONG, 0.5), TURN | {"gain": 0.0},
+        1.5, TWO_BONES, parameter("part", "position", ALONG, 0.5), TURN | {"gain": 0.0},
     ),
     "grasp of opposites in space": (
-        1.5, SPATIAL, parameter("part", "position", ALONG, 0.5),
+        1.5, TWO_BONES, parameter("part", "position", ALONG, 0.5),
         parameter("part", "position", (0.0, 0.0, -1.0), 0.5), TURN | {"gain": 0.0},
     ),
-    "post in space": (3.0, SPATIAL, parameter("part", "position", ALONG, 0.5), TURN | POST),
+    "post in space": (3.0, TWO_BONES, parameter("part", "position", ALONG, 0.5), TURN | POST),
     "post is moved in space": (
-        1.5, SPATIAL, parameter("post", "position", ALONG, 0.5), TURN | POST,
+        1.5, TWO_BONES, parameter("post", "position", ALONG, 0.5), TURN | POST,
     ),
 }  # fmt: skip
 KNOWN = "hand speed", "joint speed", "joint range", "reach", "grasp"
@@ -248,12 +240,12 @@ def test_turns_at_either_end_of_the_radii_are_bounded_tightly(rho, share):
 
 
 def test_hands_are_as_fast_as_bounds_say_and_no_faster():
-    limb, rng = pack(family(SPATIAL, goal=TURNED)[0].middle).limb, np.random.default_rng(2)
+    limb, rng = pack(family(TWO_BONES, goal=TURNED)[0].middle).limb, np.random.default_rng(2)
     for joint in range(5):
         rates = np.ones(4) if joint == 4 else np.eye(4)[joint]
         bound, most = hand_speeds(limb, rates[None])[0], 0.0
         for q in rng.uniform(-np.pi, np.pi, (400, 4)):
             moved = q + 1e-6 * rates * rng.choice((-1.0, 1.0), 4)
-            ends = [forward_in_space(SPATIAL, one)[1] for one in (q, moved)]
+            ends = [forward_in_space(TWO_BONES, one)[1] for one in (q, moved)]
             most = max(most, float(np.linalg.norm(ends[1] - ends[0]) / 1e-6))
         assert 0.75 * bound < most <= bound * (1.0 + 1e-4)

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from gcm_learn.arms import SIDE, Arm, SpatialArm, forward_in_space, joints_of
+from gcm_learn.arms import SIDE, Arm, forward_in_space, joints_of
 from gcm_learn.motion import Failure, Movement, rules_of, verify
 from gcm_learn.motion.joint_interception import ANGLE
 from gcm_learn.motion.joint_verification import hand_too_fast, piece_fault
@@ -23,22 +23,13 @@ from gcm_learn.situation import (
     SolidQuadratic,
     Sphere,
 )
+from tests.spatial import TURNED, TWO_BONES
 
 HAIR = 1e-9
 START, GOAL = (1.2, 0.3), (0.9, 1.0)
 ARM = Arm(START, 3.0, thickness=0.02, grasp=0.02)
 WAY = np.linspace(START, GOAL, 60)
 TIME = np.linspace(0.0, 0.8, 60)
-SPACE = SpatialArm(
-    upper_arm=(1.0, 0.0, 0.0),
-    forearm=(0.8, 0.0, 0.0),
-    joints=(0.0, 0.0, 0.0, -0.9),
-    joint_range=((-3.0, 3.0),) * 4,
-    max_joint_speed=(9.0,) * 4,
-    grasp=0.05,
-    thickness=0.05,
-)
-TURNED = np.array((0.4, 0.3, 0.2, -0.7))
 
 
 def in_plane(arm=ARM, at=GOAL, post=(5.0, 5.0), horizon=1.0):
@@ -73,16 +64,16 @@ def test_the_grasp_of_a_planar_arm_is_kept_with_half_of_its_safety():
 
 
 def test_the_grasp_in_space_is_kept_with_half_of_its_safety():
-    away = SPACE.grasp + 0.02 - 0.5 * CATCH_SAFETY * 0.8  # of the forearm's length
+    away = TWO_BONES.grasp + 0.02 - 0.5 * CATCH_SAFETY * 0.8  # of the forearm's length
     for side in np.eye(3):
         hair(away, Failure.MISSED, lambda x, s=side: reaching(off=x * s))
 
 
-def reaching(arm=SPACE, off=0.0, time=0.8, goal=TURNED, horizon=1.0):
+def reaching(arm=TWO_BONES, off=0.0, time=0.8, goal=TURNED, horizon=1.0):
     """Return a situation in space, times and joints that go straight to its target."""
-    place = tuple((forward_in_space(SPACE, goal)[1] + off).tolist())
+    place = tuple((forward_in_space(TWO_BONES, goal)[1] + off).tolist())
     target = Body("target", "part", Sphere(0.02), SolidQuadratic(place, (0.0,) * 3, (0.0,) * 3))
-    return Situation("hairs", horizon, arm, (target,)), [0.0, time], [SPACE.joints, goal]
+    return Situation("hairs", horizon, arm, (target,)), [0.0, time], [TWO_BONES.joints, goal]
 
 
 def test_planar_speeds_are_kept_up_to_a_hair():
@@ -188,7 +179,7 @@ def test_every_piece_of_a_way_is_followed_by_the_joints():
 def test_an_approach_is_kept_up_to_a_hair():
     """The angle between the hand's axis and that of the target, in space."""
     situation, time, joints = reaching()
-    elbow, hand = forward_in_space(SPACE, TURNED)
+    elbow, hand = forward_in_space(TWO_BONES, TURNED)
     ahead = (hand - elbow) / np.linalg.norm(hand - elbow)
     other = np.cross(ahead, (0.0, 0.0, 1.0))
     aside = np.cos(0.3) * ahead + np.sin(0.3) * other / np.linalg.norm(other)
@@ -216,7 +207,7 @@ def test_limits_in_space_are_kept_up_to_a_hair(what, joint):
     low, high = [-3.0] * 4, [3.0] * 4
     need = abs(ends[1] - ends[0])[joint] / 0.8
     for inside in (True, False):
-        arm = SPACE
+        arm = TWO_BONES
         if what == "range below":
             low[joint] = ends[:, joint].min() + (0.0 if inside else 1e-6)
         elif what == "range above":
@@ -226,7 +217,7 @@ def test_limits_in_space_are_kept_up_to_a_hair(what, joint):
             speeds[joint] = need * (1.0 if inside else 1.0 - 2e-7)
             arm = replace(arm, max_joint_speed=tuple(speeds))
         if what.startswith("range"):
-            if not low[joint] <= SPACE.joints[joint] <= high[joint]:
+            if not low[joint] <= TWO_BONES.joints[joint] <= high[joint]:
                 continue  # such a start is refused before
             arm = replace(arm, joint_range=tuple(zip(low, high, strict=True)))
         wrong = Failure.JOINT_SPEED if what == "speed" else Failure.JOINT_RANGE
@@ -262,7 +253,7 @@ def test_cubic_moves_are_judged_at_their_extremes(name, sign):
     row, (above, below), rate, bends = BENT[name]
     high, low = (above, below) if sign > 0.0 else (-below, -above)
     moves, span = curve((0.0,) * 4, sign * np.array(row)), 0.5
-    free = replace(SPACE, max_joint_acceleration=(99.0,) * 4, joint_range=((-3.0, 3.0),) * 4)
+    free = replace(TWO_BONES, max_joint_acceleration=(99.0,) * 4, joint_range=((-3.0, 3.0),) * 4)
     assert fault(free, moves, span) == 0
     for share, found in ((1.0, 0), (1.0 - 1e-5, 1)):
         fast = (9.0, share * rate / span, 9.0, 9.0)
@@ -280,7 +271,7 @@ def fastest(moves):
     """Return the hand's largest way per share of a move, by small steps."""
     s = np.linspace(0.0, 1.0, 2001)[:, None]
     hands = [
-        np.array([forward_in_space(SPACE, q)[1] for q in place])
+        np.array([forward_in_space(TWO_BONES, q)[1] for q in place])
         for place in (_along(moves, s - 1e-6), _along(moves, s + 1e-6))
     ]
     return np.linalg.norm(hands[1] - hands[0], axis=1).max() / 2e-6
@@ -323,7 +314,7 @@ def test_the_last_piece_of_a_move_keeps_its_distance():
     """A ball that only the last of three pieces comes near to."""
     situation, _, joints = reaching()
     way = np.linspace(*np.array(joints), 4)
-    hand = [forward_in_space(SPACE, q)[1] for q in way]
+    hand = [forward_in_space(TWO_BONES, q)[1] for q in way]
     ahead = (hand[3] - hand[2]) / np.linalg.norm(hand[3] - hand[2])
     for gap, wrong in ((0.02, None), (-0.005, Failure.COLLISION)):
         place = tuple((hand[3] + (0.05 + 0.02 + gap) * ahead).tolist())
@@ -336,7 +327,7 @@ def test_the_last_piece_of_a_move_keeps_its_distance():
 def test_rates_begin_as_the_arm_moves():
     """Under limits of acceleration, a catch at t = 0 included, where the hand may be too fast."""
     rates = (0.0, 0.5, 0.0, 0.0)
-    arm = replace(SPACE, max_joint_acceleration=(99.0,) * 4, joint_rates=rates)
+    arm = replace(TWO_BONES, max_joint_acceleration=(99.0,) * 4, joint_rates=rates)
     situation, time, joints = reaching(arm)
     scene = pack(situation)
     for change, wrong in ((0.0, None), (1e-9, Failure.WRONG_START)):
@@ -345,7 +336,7 @@ def test_rates_begin_as_the_arm_moves():
         verdict = verify(scene, rules_of(scene), moves, 0)
         assert (None if verdict.good else verdict.reason.failure) is wrong
     here = np.array([arm.joints])
-    hand = forward_in_space(SPACE, here[0])[1]
+    hand = forward_in_space(TWO_BONES, here[0])[1]
     speed = 0.5 * np.hypot(hand[0], hand[1])  # the second joint turns about z
     for share, wrong in ((1.001, None), (0.999, Failure.HAND_SPEED)):
         fast = replace(arm, max_hand_speed=share * speed)
