@@ -40,7 +40,7 @@ class Fitted(NamedTuple):
     masses: tuple[Inertial, ...]
     """(m + 1) Mass that each frame carries, the base first."""
     drives: tuple[Drive, ...]
-    """(m) Motors of the joints; those of followers have no torque."""
+    """(m) Motors of the joints; a follower's motor has no torque."""
 
 
 def read_robot(

@@ -16,9 +16,9 @@ from gcm_learn.errors import MissingExtraError, RobotError
 def read_mjcf(path: Path, visual: bool = False) -> Robot:
     """Read a robot from an MJCF file; links are its bodies.
 
-    Geometry counts if it can touch anything, that is, if `contype` or `conaffinity` is not 0 or it
-    is in a `pair`; with `visual` that of other bodies, too. Planes, height fields and bodies that
-    float alone are left out.
+    Geometry counts if it can touch anything: `contype` or `conaffinity` is not 0, or a `pair` has
+    it. With `visual` the geometry of other bodies counts, too. Planes, height fields and bodies
+    that float alone are left out.
 
     Raises
     ------
