@@ -41,10 +41,10 @@ class Animate:
 
     def run(self) -> int:
         """Plan, draw and save the film."""
-        from gcm_learn.planners import get_planner
+        from gcm_learn.planners import get_planner, taken
 
         planner = get_planner(self.planner)
-        situation = self._chosen(read(self.file, planner))
+        situation = taken(planner, self._chosen(read(self.file)))
         target = self.out or Path(f"{FileNames().unused(situation.name)}.gif")
         from gcm_learn.plots import DRAWN, animate, write_film_page
 
