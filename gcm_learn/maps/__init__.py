@@ -3,6 +3,7 @@
 from gcm_learn.maps.build import build_map, explore, map_of
 from gcm_learn.maps.cognitive_map import CognitiveMap, Interception
 from gcm_learn.maps.descent import chain_to, descend
+from gcm_learn.maps.twins import static_twin
 
 __all__ = [
     "CognitiveMap",
@@ -12,4 +13,5 @@ __all__ = [
     "descend",
     "explore",
     "map_of",
+    "static_twin",
 ]
