@@ -12,6 +12,7 @@ import runpy
 import sys
 from pathlib import Path
 
+from experiments.recompute import answered
 from gcm_learn.errors import GcmError, not_among
 
 HERE = Path(__file__).resolve().parent
@@ -36,13 +37,13 @@ def question(folder: Path) -> str:
 
 
 def listed() -> str:
-    """Return a line for each folder, with its question, and one for each further script."""
+    """Return a line for each script, a folder's with its question, and each answered experiment."""
     names = scripts()
     wide = max(map(len, names))
     lines = [
         f"{n:{wide}}  {question(p.parent) if p.stem == 'run' else ''}" for n, p in names.items()
     ]
-    return "\n".join(line.rstrip() for line in sorted(lines))
+    return "\n".join([*(line.rstrip() for line in sorted(lines)), *answered().values()])
 
 
 def main(words: list[str]) -> None:
@@ -50,7 +51,9 @@ def main(words: list[str]) -> None:
     if not words or words[0] in ("-h", "--help"):
         print(f"{__doc__}\n{listed()}" if words else listed())
         return
-    known = scripts()
+    known, archived = scripts(), answered()
+    if words[0] in archived:
+        sys.exit(archived[words[0]])
     if words[0] not in known:
         sys.exit(not_among(words[0], known))
     script = known[words[0]]

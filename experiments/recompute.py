@@ -6,23 +6,32 @@
 
 An experiment with files `outcomes*.csv.gz` has modules `*report` with a function `results`. It
 returns texts by name of file from the folder of the outcomes. These modules import nothing of their
-folder.
+folder. Answered experiments have no code here; they are named with the commit that has it.
 """
 
 from __future__ import annotations
 
 import argparse
 import importlib
+import re
 import sys
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 STARTS = "def results("
+STANDS = re.compile(r"The code stands at commit `(\w+)`")
 
 
 def with_outcomes() -> list[str]:
     """Return the names of the experiments whose outcomes are kept."""
     return sorted({file.parent.name for file in HERE.glob("*/outcomes*.csv.gz")})
+
+
+def answered() -> dict[str, str]:
+    """Return a line for each answered experiment: the commit that has its code."""
+    texts = {p.parent.name: p.read_text("utf-8") for p in sorted(HERE.glob("answered/*/README.md"))}
+    commits = {name: STANDS.findall(text)[0] for name, text in texts.items()}
+    return {n: f"{n}: answered; its code stands at commit {c}" for n, c in commits.items()}
 
 
 def results(folder: Path) -> dict[Path, str]:
@@ -56,15 +65,19 @@ def main() -> None:
     parser.add_argument("names", nargs="*", metavar="NAME", help="experiments; all by default")
     parser.add_argument("--check", action="store_true", help="write nothing")
     given = parser.parse_args()
-    known = with_outcomes()
+    known, archived = with_outcomes(), answered()
     unknown = sorted(set(given.names) - set(known))
     if unknown:
+        if unknown[0] in archived:
+            parser.error(archived[unknown[0]])
         parser.error(f"no outcomes of {', '.join(unknown)}; known are {', '.join(known)}")
     wrong = []
     for name in given.names or known:
         if not given.check:
             update(HERE / name)
         wrong += differing(HERE / name)
+    if not given.names:
+        print(*archived.values(), sep="\n")
     for file in wrong:
         print(f"{file.relative_to(HERE)}: not what the outcomes give")
     sys.exit(1 if wrong else 0)

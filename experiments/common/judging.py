@@ -61,14 +61,3 @@ def counts(planner: Any, situation: Any) -> dict[str, int]:
     """Checks, looks and bends of a planner that recalls, or none."""
     first = planner.recall if isinstance(planner, HybridPlanner) else planner
     return counted(first, situation) if isinstance(first, RecallPlanner) else {}
-
-
-def first_answer(planner: Any, situation: Any) -> dict[str, Any]:
-    """First answer of a spatial arm's planner: catch time [s], processor time [ms], complaints."""
-    since = process_time()
-    plan = planner.plan(situation)
-    took = 1e3 * (process_time() - since)
-    row: dict[str, Any] = {"catch": plan.catch_time, "ms": round(took, 3)}
-    if plan.caught:
-        row["complaints"] = complaints(situation, plan)
-    return row

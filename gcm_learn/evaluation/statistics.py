@@ -159,26 +159,6 @@ def hierarchical(values: np.ndarray, share: float = 0.95) -> Interval:
     return Interval(float(values.mean()), float(low), float(high))
 
 
-def hierarchical_difference(first: np.ndarray, second: np.ndarray) -> tuple[Interval, float]:
-    """Mean difference over seeds and situations, and the largest of the seeds' probabilities.
-
-    Parameters
-    ----------
-    first, second : (seeds, n) ndarray of bool
-        Paired in both.
-
-    Returns
-    -------
-    difference : Interval
-        As by `hierarchical`.
-    p : float
-        Of McNemar's tests, one for each seed; small if every seed separates them.
-    """
-    pairs = zip(first, second, strict=True)
-    worst = max(mcnemar(one, other)[2] for one, other in pairs)
-    return hierarchical(first.astype(float) - second), worst
-
-
 def _newcombe(first: np.ndarray, second: np.ndarray) -> Interval:
     """Difference of paired shares (n,) by method 10 of Newcombe, Statistics in Medicine 17, 2635.
 

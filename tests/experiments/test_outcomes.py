@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import gzip
-import importlib
 import math
 from pathlib import Path
 from types import SimpleNamespace
@@ -119,38 +118,6 @@ def test_shares_counts_and_quantiles_by_hand(tmp_path):
     assert comparing.complaints(found) == "1 of 9"
     assert comparing.counts(found) == ["2.0", "2.5", "0.5"]
     assert comparing.times(found, (0.5, 1.0)) == ["4.5", "9.0"]
-
-
-def test_catches_within_checks_by_seed(tmp_path):
-    """The last answer of seed 0 is caught with its fourth check, and not if one is all there is."""
-    report = importlib.import_module("experiments.17_is_memory_needed.report")
-    rows = [
-        row | {"seed": seed, "checks": 1 + row["situation"], "first": int(row["situation"] == 0)}
-        for seed, caught in enumerate(("1011", "1100"))
-        for row in answers("a", caught)
-    ]
-    found = table_of(tmp_path, rows)
-    assert report.seeds_of(found, "a") == [0, 1]
-    assert report.over_seeds(found, "a", [0, 1], 1).tolist() == [[True, False, False, False]] * 2
-    assert report.over_seeds(found, "a", [0], 3).tolist() == [[True, False, True, False]]
-    assert report.over_seeds(found, "a", [0], 20).tolist() == [[True, False, True, True]]
-    assert comparing.within(found.where(seed=1), 1).tolist() == [True, False, False, False]
-
-
-def test_a_hybrid_asks_its_fallback_where_its_front_has_no_catch(tmp_path):
-    """Times add up, and an answer is ready by 20 ms."""
-    fronts = importlib.import_module("experiments.17_is_memory_needed.fronts_report")
-    spent = {"learned": [1.0, 5.0, 8.0, 30.0], "layered": [9.0, 14.0, 13.0, 1.0]}
-    rows = [answers("learned", "1001"), answers("layered", "0110")]
-    for some, name in zip(rows, spent, strict=True):
-        for row, ms in zip(some, spent[name], strict=True):
-            row["ms"] = ms
-    made = fronts.hybrids(table_of(tmp_path, *rows))
-    assert list(made) == [("none", "layered"), ("learned", "layered")]
-    alone, hybrid = made.values()
-    assert alone.caught.tolist() == alone.ready.tolist() == [False, True, True, False]
-    assert hybrid.caught.tolist() == [True] * 4 and hybrid.ms.tolist() == [1.0, 19.0, 21.0, 30.0]
-    assert hybrid.ready.tolist() == [True, True, False, False]
 
 
 @pytest.mark.slow

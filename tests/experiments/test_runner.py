@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -13,6 +14,7 @@ from experiments import __main__ as runner
 
 ROOT = Path(__file__).parents[2]
 FOLDERS = sorted(path.parent for path in runner.HERE.glob("*/README.md"))
+ANSWERED = sorted(path.parent for path in runner.HERE.glob("answered/*/README.md"))
 
 
 def asked(*words):
@@ -30,7 +32,20 @@ def test_every_experiment_is_listed_with_its_question(capsys):
     for folder in FOLDERS:
         (line,) = [line for line in lines if line.split()[0] == folder.name]
         assert line.endswith("?"), folder.name
-    assert len(lines) == len(runner.scripts())
+    assert len(lines) == len(runner.scripts()) + len(ANSWERED)
+
+
+@pytest.mark.parametrize("words", [[], ["recompute"]], ids=["run", "recompute"])
+def test_an_answered_experiment_names_the_commit_of_its_code(words):
+    answer = asked(*words, "23_seeds")
+    assert answer.returncode != 0
+    last = answer.stderr.splitlines()[-1]
+    assert re.search(r"23_seeds: answered; its code stands at commit [0-9a-f]{7}$", last)
+
+
+def test_answered_experiments_keep_no_code():
+    assert len(ANSWERED) == 12
+    assert not [*runner.HERE.glob("answered/**/*.py")]
 
 
 def test_every_folder_of_a_question_has_a_page_and_a_run():
@@ -57,7 +72,7 @@ def test_a_script_gets_the_words_after_its_name_and_finds_its_neighbours():
 
 
 def test_a_folder_without_a_dataset_is_one_line(tmp_path):
-    answer = asked("23_seeds", str(tmp_path), "ask")
+    answer = asked("10_map_embedding", str(tmp_path), str(tmp_path))
     assert answer.returncode == 1
     assert answer.stderr.splitlines()[-1].startswith(f"{tmp_path}: holds no dataset")
     assert "Traceback" not in answer.stderr
@@ -77,7 +92,7 @@ def test_only_the_runner_changes_where_modules_are_found():
 
 
 @pytest.mark.parametrize(
-    "folder", [p for p in FOLDERS if p.name[0].isdigit()], ids=lambda p: p.name
+    "folder", [*(p for p in FOLDERS if p.name[0].isdigit()), *ANSWERED], ids=lambda p: p.name
 )
 def test_every_page_has_the_parts_of_an_experiment(folder):
     page = (folder / "README.md").read_text("utf-8")

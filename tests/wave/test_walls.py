@@ -1,13 +1,6 @@
-"""Thin walls, at rest and moving, hold: the front is never found behind one (erratum 14).
-
-Scenes and criterion are those of experiments/01_leaks.
-"""
+"""Thin walls, at rest and moving, hold: the front is never found behind one (erratum 14)."""
 
 from __future__ import annotations
-
-import importlib.util
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,13 +8,8 @@ import pytest
 from gcm_learn import seeding
 from gcm_learn.wave import MarchingParams, WaveParams, march, propagate, propagate_layers
 from gcm_learn.wave.kernels import FROZEN
+from tests.wave import walls
 from tests.wave.scenes import state_of
-
-SCENES = Path(__file__).parents[2] / "experiments" / "01_leaks" / "walls.py"
-spec = importlib.util.spec_from_file_location("leaks_walls", SCENES)
-walls = importlib.util.module_from_spec(spec)
-sys.modules[spec.name] = walls  # dataclasses look their module up
-spec.loader.exec_module(walls)
 
 PLAIN, MARCH = WaveParams(until="horizon"), MarchingParams(until="horizon")
 PROMISED = (0.05, 0.25, 0.5, 1.0)  # speeds of walls [cells per tau]
