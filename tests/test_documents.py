@@ -14,7 +14,7 @@ import pytest
 
 from gcm_learn import planner_names, solve
 from gcm_learn.cli import main
-from gcm_learn.cli.arguments import COMMANDS
+from gcm_learn.cli.arguments import COMMANDS, OLD
 from gcm_learn.families import family_names
 from gcm_learn.planners import plan_to_json
 from gcm_learn.situation import situation_from_json
@@ -205,8 +205,10 @@ def test_exchange_example_is_a_situation_and_its_fields_are_the_solutions():
 
 def test_planners_and_commands_are_listed():
     assert sorted(first_column(PLANNERS, "Planners")) == sorted(planner_names())
-    commands = [row.split()[1] for row in first_column(COMMAND_LINE, "Commands")]
-    assert commands == list(COMMANDS)
+    for row, name in zip(first_column(COMMAND_LINE, "Commands"), COMMANDS, strict=True):
+        assert f"{row} ".startswith(f"gcm-learn {name} ")
+    text = COMMAND_LINE.read_text("utf-8")
+    assert dict(re.findall(r"^\| `(\S+)` \| `([^`]+)` \|$", text, re.M)) == OLD
 
 
 def test_families_are_told_and_their_example_runs():

@@ -11,7 +11,7 @@ import pytest
 
 from gcm_learn import artifacts, compiled
 from gcm_learn.benchmark import SUITES
-from gcm_learn.cli.example import PLACES
+from gcm_learn.cli.demo import PLACES
 from gcm_learn.evaluation.suites import FROZEN
 
 ROOT = Path(__file__).parents[1]

@@ -2,7 +2,7 @@
 
 python -m experiments 07_clusters DATASET [ENCODER]
 
-DATASET is a folder of `gcm-learn generate`, ENCODER one of `gcm-learn train-encoder` (the shipped
+DATASET is a folder of `gcm-learn generate`, ENCODER one of `gcm-learn train encoder` (the shipped
 one by default). The page out/index.html shows the memory as points.
 """
 

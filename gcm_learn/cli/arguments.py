@@ -3,76 +3,20 @@
 from __future__ import annotations
 
 import contextlib
+import importlib
 import io
 import itertools
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Iterable, Sequence
 from difflib import SequenceMatcher
-from typing import Protocol
-
-import tyro
+from typing import NamedTuple, Protocol
 
 from gcm_learn import __version__
-from gcm_learn.cli.animate import Animate
-from gcm_learn.cli.arm import Arm, Arms
-from gcm_learn.cli.benchmark import Benchmark
-from gcm_learn.cli.convert import Convert
-from gcm_learn.cli.cover import Cover
-from gcm_learn.cli.demo import Demo
-from gcm_learn.cli.draw import Draw
-from gcm_learn.cli.evaluate import Evaluate
-from gcm_learn.cli.example import Example
-from gcm_learn.cli.execute import Execute
 from gcm_learn.cli.failures import CommandFailure
-from gcm_learn.cli.families import Families
-from gcm_learn.cli.figure import Figure
-from gcm_learn.cli.gallery import Gallery
-from gcm_learn.cli.generate import Generate
-from gcm_learn.cli.inspect import Inspect
-from gcm_learn.cli.leaderboard import Leaderboard
-from gcm_learn.cli.play import Play
-from gcm_learn.cli.remember import Remember
-from gcm_learn.cli.solve import Solve
-from gcm_learn.cli.train_encoder import TrainEncoder
-from gcm_learn.cli.train_policy import TrainPolicy
-from gcm_learn.cli.warm_up import WarmUp
 from gcm_learn.errors import UnknownNameError
 
-DESCRIPTION = """\
-Catching among moving obstacles with generalized cognitive maps.
-
-examples:
-  gcm-learn solve scene.json                           one solution on standard output
-  gcm-learn solve scenes.jsonl --out solutions.jsonl   one solution a line, in input order
-  gcm-learn solve scenes.jsonl --plot pictures         and a picture of each situation
-  gcm-learn solve - --planner marching < scenes.jsonl
-  gcm-learn play                                       drag a situation in the browser, see its plan
-  gcm-learn demo --out demo                            the paper's results as a web page
-  gcm-learn figure fig4                                one figure of the paper
-  gcm-learn animate scene.json --out scene.gif         the catch as a film
-  gcm-learn execute scene.json --film films            and by an arm with mass and motors
-  gcm-learn arm robot.urdf --base base --tip hand --out arm.json   an arm from a robot's file
-  gcm-learn arms                                       arms that ship
-  gcm-learn families                                   what can be drawn at random
-  gcm-learn draw gate --count 20 --out gates.jsonl     situations of a family
-  gcm-learn convert motionbenchmaker problems.tar.bz2 --out mbm.jsonl   problems of others
-  gcm-learn example train.toml                         files to begin with: configurations and more
-  gcm-learn generate train.toml --out data/mine        a dataset; again to go on or to enlarge it
-  gcm-learn inspect data/mine                          what is in it, in numbers
-  gcm-learn gallery data/mine                          and in pictures
-  gcm-learn remember data/mine --out models/recall     a memory of its catches
-  gcm-learn cover belt --out models/cover-belt         proven catches for a family of situations
-  gcm-learn train-policy ppo.yml --out models/mine     a policy that learns in the arena
-  gcm-learn train-encoder data/mine --out models/encoder   what recall asks it with
-  gcm-learn evaluate --policies layered,straight,clone all on the same situations, with a report
-  gcm-learn benchmark mine.py:Mine --out mine.json     your method on frozen suites
-  gcm-learn leaderboard mine.json search.json          result files side by side, as a page
-  gcm-learn warm-up                                    compile everything now, not at the first use
-
-gcm-learn COMMAND --help explains a command, gcm-learn --version says which version this is."""
-
-
 ALIKE = 0.8  # ratio of options from which on one is suggested for the other
+HELP = ("--help", "-h")
 
 
 class Command(Protocol):
@@ -82,31 +26,46 @@ class Command(Protocol):
         """Do the work and return the exit code."""
 
 
-COMMANDS: dict[str, Callable[..., Command]] = {
-    "solve": Solve,
-    "demo": Demo,
-    "figure": Figure,
-    "animate": Animate,
-    "play": Play,
-    "execute": Execute,
-    "arm": Arm,
-    "arms": Arms,
-    "families": Families,
-    "draw": Draw,
-    "convert": Convert,
-    "example": Example,
-    "generate": Generate,
-    "inspect": Inspect,
-    "gallery": Gallery,
-    "remember": Remember,
-    "cover": Cover,
-    "train-policy": TrainPolicy,
-    "train-encoder": TrainEncoder,
-    "evaluate": Evaluate,
-    "benchmark": Benchmark,
-    "leaderboard": Leaderboard,
-    "warm-up": WarmUp,
+class Entry(NamedTuple):
+    """Command by its record's place, an example of its arguments, and its purpose."""
+
+    place: str
+    example: str
+    purpose: str
+
+
+COMMANDS = {
+    "solve": Entry("solve:Solve", "scenes.jsonl --plot pictures", "plan catches, a line for each"),
+    "play": Entry("play:Play", "", "drag a situation in the browser, see its plan"),
+    "execute": Entry("execute:Execute", "scene.json --film films", "let an arm with mass do it"),
+    "arm": Entry("arm:Arm", "", "arms that ship; or an arm from a robot's file"),
+    "draw": Entry("draw:Draw", "gate --count 20 --out gates.jsonl", "random situations"),
+    "convert": Entry("convert:Convert", "si-rrt PROBLEMS --out si.jsonl", "problems of others"),
+    "generate": Entry("generate:Generate", "train.toml --out data/mine", "a dataset, made on"),
+    "inspect": Entry("inspect:Inspect", "data/mine", "what a dataset, a model or an arm holds"),
+    "memory make": Entry("memory:Make", "data/mine --out models/recall", "remember its catches"),
+    "memory embed": Entry("memory:Embed", "data/mine --out e.npz", "what an encoder makes of them"),
+    "train policy": Entry("train:Policy", "ppo.yml --out models/mine", "learn in the arena"),
+    "train encoder": Entry("train:Encoder", "data/mine --out models/e", "learn to recall"),
+    "evaluate": Entry("evaluate:Evaluate", "--policies layered,clone", "all on one suite"),
+    "benchmark": Entry("benchmark:Benchmark", "mine.py:Mine --out mine.json", "frozen suites"),
+    "leaderboard": Entry("leaderboard:Leaderboard", "mine.json", "result files as a page"),
+    "cover": Entry("cover:Cover", "belt --out models/belt", "proven catches of a family"),
+    "warm-up": Entry("warm_up:WarmUp", "", "compile everything now, not at the first use"),
+    "demo": Entry("demo:Demo", "", "a page of results; figures and files to begin with"),
 }
+OLD = {
+    "figure": "demo --figure",
+    "animate": "solve --film",
+    "arms": "arm",
+    "families": "draw --list",
+    "example": "demo --copy",
+    "gallery": "inspect --pictures",
+    "remember": "memory make",
+    "train-policy": "train policy",
+    "train-encoder": "train encoder",
+}
+"""Former commands, and what takes their place."""
 
 
 def parse(argv: Sequence[str]) -> Command | None:
@@ -122,22 +81,59 @@ def parse(argv: Sequence[str]) -> Command | None:
     if list(argv) == ["--version"]:
         print(f"gcm-learn {__version__}")
         return None
-    if argv and not argv[0].startswith("-") and argv[0] not in COMMANDS:
-        raise UnknownNameError.among("command", argv[0], COMMANDS)
-    complaint, name = io.StringIO(), argv[0] if argv and argv[0] in COMMANDS else ""
-    prog = f"gcm-learn {name}".strip()
+    for words in (2, 1):
+        name = " ".join(argv[:words])
+        if name in COMMANDS:
+            return _record(name, argv[words:])
+    group = [name for name in COMMANDS if argv and name.split()[0] == argv[0]]
+    rest = argv[1:] if group else argv
+    if rest and rest[0] in HELP:
+        print(_overview(group or COMMANDS))
+        return None
+    raise _unknown(argv, group)
+
+
+def _record(name: str, argv: Sequence[str]) -> Command | None:
+    """Return the record of a command; tyro knows, and suggests, the options of this one only."""
+    import tyro
+
+    module, record = COMMANDS[name].place.split(":")
+    command = getattr(importlib.import_module(f"gcm_learn.cli.{module}"), record)
+    complaint, prog = io.StringIO(), f"gcm-learn {name}"
     try:
         with contextlib.redirect_stderr(complaint):
-            if name:  # tyro then knows, and suggests, the options of this command only
-                return tyro.cli(COMMANDS[name], prog=prog, args=argv[1:])
-            tyro.extras.subcommand_cli_from_dict(
-                COMMANDS, prog=prog, description=DESCRIPTION, args=argv
-            )
+            made: Command = tyro.cli(command, prog=prog, args=argv)
+            return made
     except SystemExit as stop:
         if not stop.code:
             return None
         raise CommandFailure(f"{_summary(complaint.getvalue())} (see {prog} --help)") from None
-    return None
+
+
+def _unknown(argv: Sequence[str], group: Sequence[str]) -> Exception:
+    """Return what is wrong with arguments that name no command."""
+    if not argv or (group and not argv[1:]):
+        known = ", ".join(group or COMMANDS)
+        return CommandFailure(f"a command is missing: {known} (see gcm-learn --help)")
+    if argv[0] in OLD:
+        return CommandFailure(f"{argv[0]!r} is now {OLD[argv[0]]!r}")
+    return UnknownNameError.among("command", " ".join(argv[: 1 + bool(group)]), group or COMMANDS)
+
+
+def _overview(names: Iterable[str]) -> str:
+    """Return a line for each command."""
+    lines = [f"gcm-learn {name} {COMMANDS[name].example}".rstrip() for name in names]
+    width = max(map(len, lines))
+    told = (
+        f"  {line:<{width}}  {COMMANDS[name].purpose}"
+        for line, name in zip(lines, names, strict=True)
+    )
+    return "\n".join([
+        "Catching among moving obstacles with generalized cognitive maps.", "", *told, "",
+        "gcm-learn COMMAND --help explains a command, gcm-learn --version says which version "
+        "this is.\nTimes have a unit: 20ms, 0.02s, 5min. An output replaces what was there "
+        "once it is whole;\nlong work that was stopped goes on where it was.",
+    ])  # fmt: skip
 
 
 def _summary(box: str) -> str:
@@ -161,6 +157,7 @@ _IN_WORDS = (
     (r"no type matching \{None\}\|\w+ could be instantiated from \[('.*')\]\.", r"no number: \1"),
     (r"invalid literal for int\(\) with base 10: ", "no whole number: "),
     (r"could not convert string to float: ", "no number: "),
+    (r"Value error: Error parsing (--[\w-]+): (?=\S+: must)", r"\1 "),
     (r"Value error: Error parsing (--[\w-]+)", r"\1"),
 )
 """Parts of tyro's complaints, and what takes their place."""

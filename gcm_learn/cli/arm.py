@@ -1,10 +1,11 @@
-"""``gcm-learn arm`` and ``gcm-learn arms``: arms from files of robots, and those that ship."""
+"""``gcm-learn arm``: arms that ship, and arms from files of robots."""
 
 from __future__ import annotations
 
 import contextlib
 import json
 import math
+import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,8 +14,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 from tyro.conf import Positional, UseAppendAction, arg
 
 from gcm_learn.cli.failures import CommandFailure
-from gcm_learn.cli.figure import FORMATS, require_suffix
-from gcm_learn.cli.files import output, refuse_same, staged
+from gcm_learn.cli.files import FORMATS, output, refuse_same, require_suffix, staged
+from gcm_learn.cli.options import COUNT, Output, given
 
 if TYPE_CHECKING:
     from gcm_learn.arms import ChainModel, Fitted, Robot
@@ -24,19 +25,19 @@ Numbers = tuple[float, ...]
 
 @dataclass(frozen=True)
 class Arm:
-    """Make an arm file of the joints between two links of a robot (URDF or MJCF).
+    """List the arms that ship, or make one of the joints between two links of a robot.
 
     Links are covered by capsules that hold their collision geometry. Pairs for self-collision are
     found by sampling postures. With --body the masses and motors go into a file for execute.
     """
 
-    robot: Annotated[Positional[Path], arg(metavar="FILE")]
+    robot: Annotated[Positional[Path | None], given("FILE", "list the arms that ship")] = None
     """a URDF or MJCF file"""
 
-    base: Annotated[str, arg(metavar="LINK")]
+    base: Annotated[str, given("LINK", "none, needed with FILE")] = ""
     """link that does not move; its frame is that of the arm's base"""
 
-    tip: Annotated[str, arg(metavar="LINK")]
+    tip: Annotated[str, given("LINK", "none, needed with FILE")] = ""
     """link that carries the hand"""
 
     point: Annotated[tuple[float, float, float], arg(metavar="X Y Z")] = (0.0, 0.0, 0.0)
@@ -45,83 +46,60 @@ class Arm:
     axis: Annotated[tuple[float, float, float], arg(metavar="X Y Z")] = (0.0, 0.0, 1.0)
     """direction in which the hand reaches, in the frame of the tip"""
 
-    at: Annotated[
-        UseAppendAction[tuple[str, ...]],
-        arg(metavar="JOINT=VALUE", help_behavior_hint="(repeatable; default: 0)"),
-    ] = ()
+    at: Annotated[UseAppendAction[tuple[str, ...]], given("JOINT=VALUE", "0; repeatable")] = ()
     """value at which a joint off the chain stands [rad or lengths]"""
 
-    max_speed: Annotated[
-        Numbers | None, arg(metavar="V ...", help_behavior_hint="(default: the file's)")
-    ] = None
+    max_speed: Annotated[Numbers | None, given("V ...", "the file's")] = None
     """largest speeds of the joints [rad/s or lengths/s], one or all"""
 
-    max_acceleration: Annotated[
-        Numbers | None, arg(metavar="A ...", help_behavior_hint="(default: no limits)")
-    ] = None
+    max_acceleration: Annotated[Numbers | None, given("A ...", "no limits")] = None
     """largest accelerations of the joints [rad/s^2 or lengths/s^2], one or all"""
 
-    torque: Annotated[
-        Numbers | None, arg(metavar="T ...", help_behavior_hint="(default: the file's)")
-    ] = None
+    torque: Annotated[Numbers | None, given("T ...", "the file's")] = None
     """with --body: largest torques of the motors [N m, or N of prismatic joints], one or all"""
 
-    armature: Annotated[
-        Numbers | None, arg(metavar="J ...", help_behavior_hint="(default: the file's; URDF: 0)")
-    ] = None
+    armature: Annotated[Numbers | None, given("J ...", "the file's; URDF: 0")] = None
     """with --body: inertias of the rotors as the joints feel them [kg m^2, or kg], one or all"""
 
-    tool: Annotated[
-        float | None, arg(metavar="RADIUS", help_behavior_hint="(default: no tool)")
-    ] = None
+    tool: Annotated[float | None, given("RADIUS", "no tool")] = None
     """radius of a tool, a capsule from the origin of the tip's frame to the hand's point"""
 
-    capsules: Annotated[
-        int | None, arg(metavar="N", help_behavior_hint="(default: as many as help, 40 an arm)")
-    ] = None
+    capsules: Annotated[int | None, COUNT, given("N", "as many as help, 40 an arm")] = None
     """capsules that cover a link, at most"""
 
     packages: Annotated[
-        UseAppendAction[tuple[Path, ...]],
-        arg(metavar="DIR", help_behavior_hint="(repeatable; default: folders above the file)"),
+        UseAppendAction[tuple[Path, ...]], given("DIR", "folders above the file; repeatable")
     ] = ()
     """folder of packages, for package:// and model:// in the file"""
 
     visual: bool = False
     """let links without collision geometry have that of their looks"""
 
-    name: Annotated[
-        str | None, arg(metavar="NAME", help_behavior_hint="(default: the robot's)")
-    ] = None
+    name: Annotated[str | None, given("NAME", "the robot's")] = None
     """name of the arm"""
 
     source: str = ""
     """where the numbers come from, and their licence"""
 
-    out: Annotated[
-        Path | None, arg(metavar="FILE", help_behavior_hint="(default: standard output)")
-    ] = None
-    """where the arm goes; the file appears whole or not at all"""
+    out: Output = None
+    """where the arm goes"""
 
-    body: Annotated[Path | None, arg(metavar="FILE", help_behavior_hint="(default: no body)")] = (
-        None
-    )
+    body: Annotated[Path | None, given("FILE", "no body")] = None
     """where masses and motors go, in the format gcm-learn/body@2; lengths are metres"""
 
-    plot: Annotated[
-        Path | None, arg(metavar="FILE", help_behavior_hint="(default: no picture)")
-    ] = None
+    plot: Annotated[Path | None, given("FILE", "no picture")] = None
     """picture of the arm and its capsules, as .png, .pdf or .svg"""
 
     def run(self) -> int:
-        """Read, cover, write, and say how it went."""
-        import sys
-
+        """List, or read, cover, write, and say how it went."""
+        if self.robot is None:
+            print("\n".join(shipped()))
+            return 0
         from gcm_learn.arms import read_robot
         from gcm_learn.errors import RobotError, SituationError
         from gcm_learn.situation import arm_to_json
 
-        self._check()
+        self._check(self.robot)
         robot = read_robot(self.robot, self.packages, self.visual)
         try:
             fitted = self._fitted(robot)
@@ -145,19 +123,17 @@ class Arm:
         print("\n".join(lines), file=sys.stderr if self.out is None else sys.stdout)
         return 0
 
-    def _check(self) -> None:
+    def _check(self, robot: Path) -> None:
+        if not self.base or not self.tip:
+            raise CommandFailure("--base and --tip: are needed with FILE")
         if self.plot is not None:
             require_suffix(self.plot, FORMATS, "--plot")
         if self.body is None and (self.torque or self.armature):
             raise CommandFailure("--torque and --armature: are for --body")
-        refuse_same(
-            {"FILE": self.robot, "--out": self.out, "--body": self.body, "--plot": self.plot}
-        )
+        refuse_same({"FILE": robot, "--out": self.out, "--body": self.body, "--plot": self.plot})
         for folder in self.packages:
             if not folder.is_dir():
                 raise CommandFailure(f"--packages {folder}: is no folder")
-        if self.capsules is not None and self.capsules < 1:
-            raise CommandFailure(f"--capsules {self.capsules}: must be at least 1")
         for name, numbers in (("--point", self.point), ("--axis", self.axis)):
             if not all(map(math.isfinite, numbers)):
                 raise CommandFailure(f"{name}: must be numbers")
@@ -183,20 +159,16 @@ class Arm:
         draw_arm(fitted.model, parts=parts).savefig(place)
 
 
-@dataclass(frozen=True)
-class Arms:
-    """List the arms that ship, by the names that situations may give as their model."""
+def shipped() -> list[str]:
+    """Return a line for each arm that ships, by the name that situations may give as its model."""
+    from gcm_learn.situation import arm_names, shipped_arm
 
-    def run(self) -> int:
-        """Print a line for each."""
-        from gcm_learn.situation import arm_names, shipped_arm
-
-        names = arm_names()
-        width = max(map(len, names))
-        for name in names:
-            model = shipped_arm(name)
-            print(f"{name:<{width}}  {counts(model)}; {model.source or 'no source'}")
-        return 0
+    models = {name: shipped_arm(name) for name in arm_names()}
+    width = max(map(len, models))
+    return [
+        f"{name:<{width}}  {counts(model)}; {model.source or 'no source'}"
+        for name, model in models.items()
+    ]
 
 
 def counts(model: ChainModel) -> str:

@@ -13,12 +13,13 @@ from tyro.conf import Positional, arg
 
 from gcm_learn.cli.failures import CommandFailure
 from gcm_learn.cli.files import output, refuse_same
+from gcm_learn.cli.options import TIME, Output, given
 from gcm_learn.errors import UnknownNameError
 
 if TYPE_CHECKING:
     from gcm_learn.outside import Converter
 
-OF_SUITE = "(default: of the suite)"
+OF_SUITE = "of the suite"
 
 
 @dataclass(frozen=True)
@@ -34,32 +35,26 @@ class Convert:
     sources: Annotated[Positional[tuple[Path, ...]], arg(metavar="SOURCE")]
     """files, folders or tar archives"""
 
-    out: Annotated[
-        Path | None, arg(metavar="FILE", help_behavior_hint="(default: standard output)")
-    ] = None
-    """where the situations go; the file appears whole or not at all"""
+    out: Output = None
+    """where the situations go"""
 
-    arm: Annotated[str | None, arg(metavar="NAME", help_behavior_hint=OF_SUITE)] = None
+    arm: Annotated[str | None, given("NAME", OF_SUITE)] = None
     """an arm that ships or an arm file"""
 
-    horizon: Annotated[float | None, arg(metavar="S", help_behavior_hint=OF_SUITE)] = None
+    horizon: Annotated[float | None, TIME, given("TIME", OF_SUITE)] = None
     """last moment at which a catch counts"""
 
-    grasp: Annotated[float | None, arg(metavar="M", help_behavior_hint=OF_SUITE)] = None
+    grasp: Annotated[float | None, given("METRES", OF_SUITE)] = None
     """distance of hand and target at which it is caught"""
 
-    within: Annotated[float | None, arg(metavar="RAD", help_behavior_hint=OF_SUITE)] = None
+    within: Annotated[float | None, given("RAD", OF_SUITE)] = None
     """angle between the hand's axis and that of the goal posture; not of table-tennis"""
 
-    moving: Annotated[int | None, arg(metavar="SEED", help_behavior_hint="(default: at rest)")] = (
-        None
-    )
+    moving: Annotated[int | None, given("SEED", "at rest")] = None
     """set scenes in motion; of motionbenchmaker only"""
 
-    base: Annotated[
-        tuple[float, float, float] | None, arg(metavar="X Y Z", help_behavior_hint=OF_SUITE)
-    ] = None
-    """place of the arm's base; of table-tennis only"""
+    base: Annotated[tuple[float, float, float] | None, given("X Y Z", OF_SUITE)] = None
+    """place of the arm's base [metres]; of table-tennis only"""
 
     def run(self) -> int:
         """Convert and write."""

@@ -10,13 +10,15 @@ from tyro.conf import Positional, arg
 
 from gcm_learn.cli.failures import CommandFailure, why
 from gcm_learn.cli.files import made_folder
-from gcm_learn.cli.progress import Progress, check_workers
+from gcm_learn.cli.options import COUNT, TIME, Folder, Number, Workers, given, ranged
+from gcm_learn.cli.progress import Progress
 
 if TYPE_CHECKING:
     from gcm_learn.cover import Cover as Grown
     from gcm_learn.cover import ParametricFamily
 
 PARTS = 1000  # of the box, in which the bar counts
+SHARE = ranged(float, "SHARE", 0, 1, above=True)
 
 
 @dataclass(frozen=True)
@@ -30,41 +32,39 @@ class Cover:
     """belt (in the plane), belt-space (a spatial arm) or belt-chain (a Panda); of belt-varied and
     belt-space-varied the obstacles' places are free, too"""
 
-    out: Annotated[Path, arg(metavar="DIR")]
+    out: Folder
     """folder for the cover; one that is there is enlarged"""
 
-    free: Annotated[int, arg(metavar="N")] = 3
+    free: Number = 3
     """parameters that are free, in their order; the others are in the middle of their ranges"""
 
-    share: Annotated[float, arg(metavar="SHARE")] = 0.95
+    share: Annotated[float, SHARE] = 0.95
     """share of the box that is to be covered"""
 
-    minutes: Annotated[
-        float | None, arg(metavar="MIN", help_behavior_hint="(default: no limit)")
-    ] = None
-    """time for this run"""
+    time: Annotated[float | None, TIME, given("TIME", "no limit")] = None
+    """for this run, such as 30min"""
 
-    cells: Annotated[int | None, arg(metavar="N", help_behavior_hint="(default: no limit)")] = None
+    cells: Annotated[int | None, COUNT, given("N", "no limit")] = None
     """cells that are examined in all runs, in batches of 16"""
 
-    workers: Annotated[int, arg(metavar="N")] = 1
+    workers: Workers = 1
     """processes on this machine"""
 
-    check: Annotated[int, arg(metavar="N")] = 0
+    check: Number = 0
     """situations of proven cells that are drawn and verified afterwards"""
 
-    seed: Annotated[int, arg(metavar="N")] = 0
+    seed: Number = 0
     """of these draws"""
 
     def run(self) -> int:
         """Enlarge the cover; say what it covers, and what it does not and why."""
-        self._check_arguments()
         from gcm_learn.cover import Budget, grow, parametric_family
         from gcm_learn.processes import crew_of
 
         cover = self._begun(parametric_family(self.family).free(self.free))
         made_folder(self.out, option="--out")
-        budget = Budget(self.share, self.minutes, self.cells)
+        minutes = None if self.time is None else self.time / 60.0
+        budget = Budget(self.share, minutes, self.cells)
         with crew_of(self.workers) as crew, Progress(round(PARTS * self.share), "‰") as bar:
 
             def note(share: float) -> None:
@@ -74,21 +74,8 @@ class Cover:
                 grow(cover, budget, crew, keep=self._save, progress=note)
             except OSError as error:
                 raise CommandFailure(f"--out {self.out}: {why(error)}") from None
-        print(_summary(self.out, cover))
+        print(summary(self.out, cover))
         return self._checked(cover) if self.check else 0
-
-    def _check_arguments(self) -> None:
-        """Refuse numbers outside of their ranges."""
-        if not 0.0 < self.share <= 1.0:
-            raise CommandFailure(f"--share {self.share:g}: must be above 0 and at most 1")
-        if self.minutes is not None and not self.minutes > 0.0:
-            raise CommandFailure(f"--minutes {self.minutes:g}: must be above 0")
-        if self.cells is not None and self.cells < 1:
-            raise CommandFailure(f"--cells {self.cells}: must be at least 1")
-        for name in ("check", "seed"):
-            if getattr(self, name) < 0:
-                raise CommandFailure(f"--{name} {getattr(self, name)}: must not be negative")
-        check_workers(self.workers)
 
     def _begun(self, family: ParametricFamily) -> Grown:
         """Return the cover of the folder, or a new one."""
@@ -115,7 +102,7 @@ class Cover:
         return 1 if broken else 0
 
 
-def _summary(out: Path, cover: Grown) -> str:
+def summary(out: Path, cover: Grown) -> str:
     """Return what a cover covers, and what it does not and why."""
     lines = [
         f"{out}: {100.0 * cover.share:.1f} % of {cover.family.name} with "

@@ -1,108 +1,113 @@
-"""``gcm-learn demo``: the paper's results as a web page, a memory, and a comparison."""
+"""``gcm-learn demo``: the paper's results as a web page, single figures, files to begin with."""
 
 from __future__ import annotations
 
-import contextlib
-from collections.abc import Sequence
+import shutil
 from dataclasses import dataclass
-from multiprocessing.context import SpawnProcess
 from pathlib import Path
 from typing import Annotated
 
-from tyro.conf import arg
+from gcm_learn.cli.failures import CommandFailure, say, why
+from gcm_learn.cli.files import FORMATS, made_folder, require_suffix, staged
+from gcm_learn.cli.options import Number, given
+from gcm_learn.errors import UnknownNameError
 
-from gcm_learn.cli.failures import CommandFailure
-from gcm_learn.cli.files import made_folder
+PLACES = {
+    "configurations of train policy": "experiments/04_policies/*.yml",
+    "specifications of generate": "data/specs/*.toml",
+    "what fields and columns mean": "data/README.md",
+    "a dataset of 500 planar records": "data/sample",
+    "situations": "data/suites/demo.jsonl",
+    "notebooks, as scripts that jupytext opens": "docs/notebooks/*.py",
+}
 
 
 @dataclass(frozen=True)
 class Demo:
-    """Solve the paper's scenes and random ones; write figures, films and a page that shows them."""
+    """Solve the paper's scenes and random ones; write figures, films and a page that shows them.
 
-    out: Annotated[Path, arg(metavar="DIR")] = Path("demo")
-    """folder for the page index.html and its pictures"""
+    Or draw one figure of the paper, or copy a file that comes with the package.
+    """
 
-    seed: int = 0
+    figure: Annotated[str | None, given("NAME", "the page")] = None
+    """draw only this figure, such as fig4 or fig8-space"""
+
+    copy: Annotated[str | None, given("NAME", "the page")] = None
+    """copy only this file or folder to begin with, such as train.toml; with or without its
+    suffix"""
+
+    list: bool = False
+    """list the figures, and the files that can be copied"""
+
+    out: Annotated[Path | None, given("PATH", "demo/, NAME.png, or the copy's name")] = None
+    """folder for the page index.html and its pictures; of a figure a .png, .pdf or .svg file; of a
+    copy its place"""
+
+    seed: Number = 0
     """root of the random situations"""
 
-    random: int = 200
+    random: Number = 200
     """number of random situations"""
 
-    compare: int = 30
-    """number of situations on which planners and trained policies are compared; 0 for none"""
-
-    memory: int = 400
-    """number of memories that are shown, with what is recalled of them; 0 for none"""
-
     def run(self) -> int:
-        """Build the page and say where it is."""
-        if self.seed < 0:
-            raise CommandFailure(f"--seed {self.seed}: must not be negative")
-        if self.random < 0:
-            raise CommandFailure(f"--random {self.random}: must not be negative")
-        if not 0 <= self.compare <= 50:
-            raise CommandFailure(f"--compare {self.compare}: must be from 0 to 50")
-        if not 0 <= self.memory <= 2000:
-            raise CommandFailure(f"--memory {self.memory}: must be from 0 to 2000")
-        folder = made_folder(self.out, option="--out")
-        from gcm_learn.plots import RECALLING, build_comparison, build_demo, shipped_methods
-        from gcm_learn.recall import has_memory
+        """Do what is asked for."""
+        if self.list:
+            print("\n".join(_listed()))
+        elif self.figure is not None:
+            print(_drawn(self.figure, self.out))
+        elif self.copy is not None:
+            print(_copied(self.copy, self.out))
+        else:
+            folder = made_folder(self.out or Path("demo"), option="--out")
+            from gcm_learn.plots import build_demo
 
-        remembers = self.memory > 0 and has_memory()
-        wanted = {"memory": remembers, "comparison": self.compare > 0}
-        beside = [name for name, shown in wanted.items() if shown]
-        later = shipped_methods() if self.compare > 0 else list(RECALLING) if remembers else []
-        ahead = compile_ahead(later[::-1])  # planners last: they are compiled here meanwhile
-        page = build_demo(folder, self.seed, self.random, _say, beside)
-        if ahead is not None:
-            ahead.join()
-        recalled = self._recalled(folder)
-        report = None
-        if self.compare > 0:
-            report = build_comparison(
-                folder / "comparison", self.compare, _say, back="../index.html"
-            )
-        print(f"Open {page.resolve().as_uri()} in a browser.")
-        if recalled is not None:
-            print(f"What is remembered, and how it is recalled: {recalled.resolve().as_uri()}.")
-        if report is not None:
-            print(f"The comparison is {report.resolve().as_uri()}.")
+            page = build_demo(folder, self.seed, self.random, say)
+            print(f"Open {page.resolve().as_uri()} in a browser.")
         return 0
 
-    def _recalled(self, folder: Path) -> Path | None:
-        """The page of the shipped memory, None if it is not wanted or there is none."""
-        if self.memory == 0:
-            return None
-        from gcm_learn.plots import write_shipped_page
 
-        _say(f"Recalling; drawing {self.memory} memories")
-        return write_shipped_page(folder / "memory", self.memory, back="../index.html")
+def _drawn(name: str, out: Path | None) -> Path:
+    """Draw a figure of the paper; return its file."""
+    from gcm_learn.plots import FIGURES, draw_figure
 
-
-def _say(step: str) -> None:
-    print(step, flush=True)
-
-
-def compile_ahead(names: Sequence[str]) -> SpawnProcess | None:
-    """Start compiling what methods run; join the process before they are needed.
-
-    Start nothing for an empty list, or on a single core.
-    """
-    from gcm_learn.processes import Context, cores
-
-    if not names or cores() < 2:
-        return None
-    process = Context().Process(target=_compile, args=(tuple(names),), daemon=True)
-    process.start()
-    return process
+    if name not in FIGURES:
+        raise UnknownNameError.among("figure", name, FIGURES)
+    target = out or Path(f"{name}.png")
+    require_suffix(target, FORMATS)
+    with staged(target) as place:
+        draw_figure(name).savefig(place)
+    return target
 
 
-def _compile(names: Sequence[str]) -> None:
-    """Let methods answer once; what goes wrong here is said by whoever needs them."""
-    from gcm_learn import compiled
-    from gcm_learn.evaluation import entrants_of, warmed
+def _copied(name: str, out: Path | None) -> Path:
+    """Copy a file or folder that comes with the package; return the copy."""
+    known = {path.name: path for paths in _examples().values() for path in paths}
+    chosen = known.get(name) or {path.stem: path for path in known.values()}.get(name)
+    if chosen is None:
+        raise UnknownNameError.among("example", name, known)
+    target = out or Path(chosen.name)
+    if chosen.is_file():
+        with staged(target) as place:
+            shutil.copyfile(chosen, place)
+        return target
+    try:
+        shutil.copytree(chosen, target, dirs_exist_ok=True)
+    except OSError as error:
+        raise CommandFailure(f"--out {target}: {why(error)}") from None
+    return target
 
-    compiled.on_compile.clear()  # the first process says it
-    for entrant in entrants_of(names):
-        with contextlib.suppress(Exception):
-            warmed(entrant)
+
+def _examples() -> dict[str, list[Path]]:
+    """Return what can be copied, by titles."""
+    from gcm_learn.artifacts import source
+
+    return {title: sorted(source().glob(place)) for title, place in PLACES.items()}
+
+
+def _listed() -> list[str]:
+    """Return lines that name figures and files."""
+    from gcm_learn.plots import FIGURES
+
+    names = {"figures of the paper": [*FIGURES]}
+    names |= {title: [path.name for path in paths] for title, paths in _examples().items()}
+    return [f"{title}: {' '.join(found)}" for title, found in names.items()]

@@ -10,7 +10,8 @@ from tyro.conf import arg
 
 from gcm_learn.cli.failures import CommandFailure
 from gcm_learn.cli.files import made_folder, staged
-from gcm_learn.cli.progress import AllCores, Cluster, Progress, check_workers
+from gcm_learn.cli.options import AllCores, Cluster
+from gcm_learn.cli.progress import Progress
 from gcm_learn.errors import MissingExtraError
 
 if TYPE_CHECKING:
@@ -68,7 +69,6 @@ class Evaluate:
             raise CommandFailure(f"--charge {self.charge}: must not be negative")
         if not 0.0 < self.limit <= 1e6:
             raise CommandFailure(f"--limit {self.limit:g}: must be above 0")
-        check_workers(self.workers)
         names = list(dict.fromkeys(n for n in self.policies.split(",") if n))
         if not names:
             raise CommandFailure("--policies: names at least one")

@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
 from tyro.conf import Positional, arg
 
 from gcm_learn.cli.failures import CommandFailure, one_line
-from gcm_learn.cli.files import FileNames, made_folder, output, staged
+from gcm_learn.cli.files import drawn_into, output
+from gcm_learn.cli.options import Number, given, ranged
 from gcm_learn.cli.solve import plan_one, read
 
 if TYPE_CHECKING:
@@ -22,8 +23,8 @@ if TYPE_CHECKING:
     from gcm_learn.situation import AnyArmBody, Situation
 
     Bodied = Situation[Any]
-    Draw = Callable[[Bodied, Execution], None]
 
+NOISE = ranged(float, "METRES", 0, above=False)
 NO_BODY = "no body"
 """Status of a situation that cannot be executed; others go on."""
 MILLI = 1e3  # [1/1000]
@@ -51,52 +52,44 @@ class Execute:
     file: Annotated[Positional[str], arg(metavar="FILE")]
     """situations with spatial arms or chains: a .json or .jsonl file, or - for standard input"""
 
-    body: Annotated[
-        str | None, arg(metavar="FILE", help_behavior_hint="(default: the shipped one that fits)")
-    ] = None
+    body: Annotated[str | None, given("FILE", "the shipped one that fits")] = None
     """masses and motors: a file of format gcm-learn/body@1 or gcm-learn/body@2, see gcm-learn arm
     --body, or the name of a shipped one: `nao`, `human`, `panda`, `iiwa14` or `ur5`"""
 
-    planner: Annotated[
-        str | None, arg(metavar="NAME", help_behavior_hint="(default: layered; search for chains)")
-    ] = None
+    planner: Annotated[str | None, given("NAME", "layered; search for chains")] = None
     """who plans, or a trained actor by its folder in models/: it acts anew in every period, by what
     is seen 50 times a second; or your own, as solve takes them; an unknown name lists all"""
 
     plant: Literal["mujoco", "kinematic"] = "mujoco"
     """plant of the plans: physics, or an arm without mass that follows at once"""
 
-    noise: Annotated[float, arg(metavar="S", help_behavior_hint="(default: all is known)")] = 0.0
-    """standard deviation of the places that are seen, 50 times a second [m]; the arm plans again
-    while it moves"""
+    noise: Annotated[float, NOISE, given("METRES", "all is known")] = 0.0
+    """standard deviation of the places that are seen, 50 times a second; the arm plans again while
+    it moves"""
 
     replan: Literal["once", "broken", "always"] = "broken"
     """with --noise: when plans are made; `broken` is when the present plan fails"""
 
-    seed: int = 0
+    seed: Number = 0
     """of the noise"""
 
-    out: Annotated[
-        Path | None, arg(metavar="FILE", help_behavior_hint="(default: lines for people only)")
-    ] = None
+    out: Annotated[Path | None, given("FILE", "lines for people only")] = None
     """where reports go as JSON, one a line; - is standard output, in place of lines for people"""
 
-    film: Annotated[Path | None, arg(metavar="DIR", help_behavior_hint="(default: no films)")] = (
-        None
-    )
+    film: Annotated[Path | None, given("DIR", "no films")] = None
     """folder for one animated GIF of each movement"""
 
     def run(self) -> int:
         """Execute the file; 1 if the physics of any situation failed, 2 if no arm has a body."""
         from gcm_learn.execution import execution_to_json, read_body
 
-        if not 0.0 <= self.noise < 1e6:
-            raise CommandFailure(f"--noise {self.noise:g}: must be from 0 on")
         if self.film is not None and self.plant != "mujoco":
-            raise CommandFailure("--film: is of arms with mass; animate shows plans")
+            raise CommandFailure("--film: is of arms with mass; solve --film shows plans")
         asked = self._asked()
         body = None if self.body is None else read_body(self.body)
-        draw = None if self.film is None else _films(made_folder(self.film, option="--film"))
+        draw = None
+        if self.film is not None:
+            draw = drawn_into(self.film, "gif", _filmed, option="--film")
         piped = self.out is not None and str(self.out) == "-"
         counts: Counter[str] = Counter()
         with contextlib.ExitStack() as stack:
@@ -230,14 +223,7 @@ def _caught_of(done: Execution) -> str:
     return f"{len(done.catches)} of {len(done.several)} targets" + (f", {events}" if events else "")
 
 
-def _films(folder: Path) -> Draw:
-    """A function that writes the film of a movement into `folder`."""
+def _filmed(situation: Bodied, done: Execution, place: Path) -> None:
     from gcm_learn import plots
 
-    names = FileNames()
-
-    def draw(situation: Bodied, done: Execution) -> None:
-        with staged(folder / f"{names.unused(situation.name)}.gif", option="--film") as place:
-            plots.animate_execution(situation, done, place)
-
-    return draw
+    plots.animate_execution(situation, done, place)

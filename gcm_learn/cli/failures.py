@@ -42,6 +42,11 @@ def place_of(error: BaseException) -> str:
     return f"{type(error).__name__}: {error}{where}"
 
 
+def say(text: str) -> None:
+    """Print a step of long work at once."""
+    print(text, flush=True)
+
+
 def why(error: OSError) -> str:
     """Return the reason of an operating-system error, without its number and path."""
     return error.strerror or str(error)

@@ -6,14 +6,16 @@ import contextlib
 import re
 import sys
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import TextIO
+from typing import Any, TextIO
 
 from gcm_learn.cli.failures import CommandFailure, why
 from gcm_learn.storage import whole_file
 
 LONGEST_NAME = 80
+FORMATS = (".png", ".pdf", ".svg")
+"""Endings of pictures."""
 
 
 @contextlib.contextmanager
@@ -103,3 +105,35 @@ class FileNames:
             candidate = f"{plain}-{count}"
         self._taken.add(candidate.lower())
         return candidate
+
+
+def drawn_into(
+    folder: Path, ending: str, draw: Callable[[Any, Any, Path], None], *, option: str
+) -> Callable[[Any, Any], None]:
+    """Return a function that draws into a file of its situation's name.
+
+    Parameters
+    ----------
+    folder : Path
+        Made when it is missing.
+    ending : str
+        Of the files, without a dot.
+    draw : callable
+        Takes a situation, what came of it, and the file.
+    option : str
+        Names the folder in messages.
+    """
+    made_folder(folder, option=option)
+    names = FileNames()
+
+    def drawn(situation: Any, done: Any) -> None:
+        with staged(folder / f"{names.unused(situation.name)}.{ending}", option=option) as place:
+            draw(situation, done, place)
+
+    return drawn
+
+
+def require_suffix(target: Path, known: Sequence[str], option: str = "--out") -> None:
+    """Refuse a file name that does not end in one of the `known` formats."""
+    if target.suffix.lower() not in known:
+        raise CommandFailure(f"{option} {target}: the name must end in {' or '.join(known)}")

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Annotated
 from tyro.conf import Positional, arg
 
 from gcm_learn.cli.failures import CommandFailure, dataset_package, why
-from gcm_learn.cli.progress import AllCores, Cluster, Progress, check_workers
+from gcm_learn.cli.options import AllCores, Cluster, given
+from gcm_learn.cli.progress import Progress
 
 if TYPE_CHECKING:
     from gcm_learn.dataset import Estimate, Manifest
@@ -32,8 +33,8 @@ class Generate:
     """
 
     spec: Annotated[Positional[Path], arg(metavar="SPEC")]
-    """a .toml or .json file; `gcm-learn example train.toml` copies one, and `gcm-learn example
-    README.md --out fields.md` what explains its fields"""
+    """a .toml or .json file; `gcm-learn demo --copy train.toml` copies one, and `gcm-learn
+    demo --copy README.md --out fields.md` what explains its fields"""
 
     out: Annotated[str, arg(metavar="DIR")]
     """folder for the dataset, or a URL that fsspec understands, such as s3://BUCKET/FOLDER"""
@@ -47,7 +48,7 @@ class Generate:
     cluster: Cluster = None
     """a Dask scheduler whose workers are used, tcp://HOST:PORT"""
 
-    shards: Annotated[str | None, arg(metavar="I/N", help_behavior_hint="(default: all)")] = None
+    shards: Annotated[str | None, given("I/N", "all")] = None
     """make only part I of N, counted from 0, for job arrays"""
 
     dry_run: bool = False
@@ -56,7 +57,6 @@ class Generate:
     def run(self) -> int:
         """Make what is missing and say what there is."""
         part = _part(self.shards)
-        check_workers(self.workers)
         dataset = dataset_package()
         spec = dataset.read_spec(self.spec)
         total = sum(len(spec.indices(k)) for k in range(part[0], spec.shards, part[1]))
@@ -72,13 +72,9 @@ class Generate:
         try:
             with Progress(total, "records") as progress:
                 manifest = dataset.generate(
-                    spec,
-                    self.out,
-                    self.workers,
-                    part=part,
-                    cluster=self.cluster,
+                    spec, self.out, self.workers, part=part, cluster=self.cluster,
                     progress=progress.advance,
-                )
+                )  # fmt: skip
         except OSError as error:
             raise CommandFailure(f"--out {self.out}: {why(error)}") from None
         print(_sentence(self.out, manifest))

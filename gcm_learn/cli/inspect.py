@@ -1,37 +1,150 @@
-"""``gcm-learn inspect``: contents of a dataset, in numbers."""
+"""``gcm-learn inspect``: contents of a dataset, a model or an arm file, in numbers or pictures."""
 
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator, Mapping
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Annotated, Any
 
 from tyro.conf import Positional, arg
 
-from gcm_learn.cli.failures import dataset_package
+from gcm_learn.cli.failures import CommandFailure, dataset_package
+from gcm_learn.cli.files import made_folder
+from gcm_learn.cli.options import Count, given
 
 
 @dataclass(frozen=True)
 class Inspect:
-    """Print what a dataset holds: strata, catches, splits, rates; also of one under way."""
+    """Print what a dataset, memory, encoder, policy, cover or arm file holds.
 
-    folder: Annotated[Positional[str], arg(metavar="DIR")]
-    """a dataset"""
+    Of a dataset: strata, catches, splits and rates, also while it is made.
+    """
+
+    path: Annotated[Positional[str], arg(metavar="PATH")]
+    """a folder, or a .json file of an arm"""
 
     verify: bool = False
-    """compare the bytes of all shards with the manifest's checksums, too"""
+    """compare the bytes of all shards of a dataset with the manifest's checksums, too"""
+
+    pictures: Annotated[Path | None, given("DIR", "no pictures")] = None
+    """folder for a page: a dataset's situations with their maps, or a planar memory's catches as
+    points"""
+
+    each: Count = 8
+    """of --pictures: situations of every stratum; of a memory a hundred times as many catches"""
 
     def run(self) -> int:
         """Print it, then what is wrong with its shards; the exit code is 1 if anything is."""
+        place = Path(self.path)
+        told = next((told for there, told in _MODELS if there(place)), None)
+        if told is not None and self.verify:
+            raise CommandFailure(f"--verify: {self.path} is no dataset")
+        code = self._survey() if told is None else 0
+        if told is not None:
+            print("\n".join(told(place)))
+        if self.pictures is not None:
+            page = self._show(place, self.pictures)
+            print(f"Open {page.resolve().as_uri()} in a browser.")
+        return code
+
+    def _survey(self) -> int:
+        """Print what a dataset holds and what is wrong with it."""
         dataset = dataset_package()
-        print("\n".join(report(dataset.survey(self.folder))))
-        faults = list(dataset.faults_of(dataset.Folder(self.folder), hashes=self.verify))
+        print("\n".join(report(dataset.survey(self.path))))
+        faults = list(dataset.faults_of(dataset.Folder(self.path), hashes=self.verify))
         for fault in faults:
             print(fault, file=sys.stderr)
         if self.verify and not faults:
             print("the bytes of all shards agree with the manifest")
         return 1 if faults else 0
+
+    def _show(self, place: Path, out: Path) -> Path:
+        """Write the page of a dataset or a memory."""
+        if _is_memory(place):
+            from gcm_learn.arms import PLANAR
+            from gcm_learn.recall import Memory
+
+            memory = Memory.load(place)
+            if memory.kind != PLANAR:
+                raise CommandFailure(f"{place}: pages show memories of planar arms only")
+            from gcm_learn.plots import write_memory_page
+
+            folder = made_folder(out, option="--pictures")
+            return write_memory_page(memory, folder, count=100 * self.each)
+        records = dataset_package().open(self.path)
+        if len(records) == 0:
+            raise CommandFailure(f"{self.path}: has no records")
+        from gcm_learn.plots import write_dataset_page
+
+        return write_dataset_page(records, made_folder(out, option="--pictures"), self.each)
+
+
+def _is_memory(place: Path) -> bool:
+    from gcm_learn.recall import is_memory
+
+    return is_memory(place)
+
+
+def _memory(place: Path) -> Iterator[str]:
+    from gcm_learn.recall import Memory
+
+    memory = Memory.load(place)
+    index = memory.index
+    yield f"{place}: a memory of {len(memory)} catches of {memory.kind.plural}"
+    yield f"  index {index.name}, {index.dim} numbers, key {index.key}"
+    for name, words in (("families", memory.families), ("strata", memory.strata)):
+        counts = Counter(words).most_common()
+        yield f"  {name}: " + ", ".join(f"{word or 'unknown'} {count}" for word, count in counts)
+
+
+def _encoder(place: Path) -> Iterator[str]:
+    from gcm_learn.recall import load_encoder
+
+    encoder = load_encoder(place)
+    yield f"{place}: an encoder for {encoder.kind.plural}, key {encoder.key}"
+    yield f"  {encoder.dim} numbers an embedding, memories by their {encoder.config.memory}"
+
+
+def _policy(place: Path) -> Iterator[str]:
+    from gcm_learn.policies import Actor
+
+    actor = Actor.load(place)
+    widths = [actor.layers[0][0].shape[1], *(len(bias) for _, bias in actor.layers)]
+    yield f"{place}: a policy for {actor.settings.kind.plural}, which commands a {actor.head}"
+    yield f"  layers of {', '.join(map(str, widths))} numbers, {actor.activation}"
+    yield f"  steps of {actor.settings.dt:g} s, {actor.settings.slots} obstacles observed"
+
+
+def _cover(place: Path) -> Iterator[str]:
+    from gcm_learn.cli.cover import summary
+    from gcm_learn.cover import load_cover
+
+    yield summary(place, load_cover(place))
+
+
+def _arm(place: Path) -> Iterator[str]:
+    from gcm_learn.cli.arm import counts
+    from gcm_learn.situation import read_arm
+
+    model = read_arm(place)
+    yield f"{place}: {model.name}, {counts(model)}; {model.source or 'no source'}"
+    for k, joint in enumerate(model.joints, 1):
+        low, high = joint.range
+        told = f"{joint.type}, {low:g} to {high:g}, at most {joint.max_speed:g}/s"
+        yield f"  joint {k} {joint.name or ''}: {told}"
+
+
+_MODELS: tuple[tuple[Callable[[Path], bool], Callable[[Path], Iterator[str]]], ...] = (
+    (lambda place: place.suffix == ".json", _arm),
+    (lambda place: (place / "cover.json").is_file(), _cover),
+    (lambda place: (place / "encoder.safetensors").is_file(), _encoder),
+    (lambda place: any(place.glob("actor*.npz")), _policy),
+    (_is_memory, _memory),
+)
+"""Kinds of files and folders besides datasets: how each is known, and what is told of it."""
 
 
 def report(manifest: Mapping[str, Any]) -> Iterator[str]:

@@ -7,11 +7,12 @@ import webbrowser
 from dataclasses import dataclass
 from typing import Annotated, Any
 
-from tyro.conf import Positional, arg
+from tyro.conf import Positional
 
 from gcm_learn.cli.failures import CommandFailure
+from gcm_learn.cli.options import given, ranged
 
-LARGEST_PORT = 65535
+PORT = ranged(int, "N", 0, 65535, above=False)
 
 
 @dataclass(frozen=True)
@@ -21,12 +22,10 @@ class Play:
     Plan, map and film follow at once. The page is served to this machine only, until Ctrl-C.
     """
 
-    file: Annotated[
-        Positional[str | None], arg(metavar="FILE", help_behavior_hint="(default: an example)")
-    ] = None
+    file: Annotated[Positional[str | None], given("FILE", "an example")] = None
     """situation to begin with: a .json file, or the first of a .jsonl file"""
 
-    port: Annotated[int, arg(help_behavior_hint="(default: a free one)")] = 0
+    port: Annotated[int, PORT, given("N", "a free one")] = 0
     """port of the page's address"""
 
     browser: bool = True
@@ -34,8 +33,6 @@ class Play:
 
     def run(self) -> int:
         """Serve the page until it is interrupted."""
-        if not 0 <= self.port <= LARGEST_PORT:
-            raise CommandFailure(f"--port {self.port}: must be from 0 to {LARGEST_PORT}")
         from gcm_learn.play import KINDS, Newest, Server, example, respond
 
         start = example() if self.file is None else _first(self.file)

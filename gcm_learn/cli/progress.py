@@ -1,4 +1,4 @@
-"""Options of long commands, and bars that show how far they are."""
+"""Bars that show how far long commands are."""
 
 from __future__ import annotations
 
@@ -7,11 +7,7 @@ import time
 from collections.abc import Callable
 from datetime import timedelta
 from types import TracebackType
-from typing import TYPE_CHECKING, Annotated, Any, Self, TextIO
-
-from tyro.conf import arg
-
-from gcm_learn.cli.failures import CommandFailure
+from typing import TYPE_CHECKING, Any, Self, TextIO
 
 if TYPE_CHECKING:
     from rich.progress import Progress as Bar
@@ -112,15 +108,3 @@ def _bar(stream: TextIO, clock: Callable[[], float]) -> Bar:
         *columns, console=Console(file=stream, force_terminal=True), auto_refresh=False,
         transient=True, redirect_stdout=False, redirect_stderr=False, get_time=clock,
     )  # fmt: skip
-
-
-AllCores = Annotated[int | None, arg(metavar="N", help_behavior_hint="(default: all cores)")]
-Cluster = Annotated[
-    str | None, arg(metavar="ADDRESS", help_behavior_hint="(default: this machine)")
-]
-
-
-def check_workers(workers: int | None) -> None:
-    """Refuse what is no number of processes."""
-    if workers is not None and workers < 1:
-        raise CommandFailure(f"--workers {workers}: must be at least 1")

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
-import os
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal, TextIO
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TextIO
 
 from tyro.conf import Positional, arg
 
 from gcm_learn.cli.failures import CommandFailure, place_of
-from gcm_learn.cli.files import FileNames, made_folder, output, staged
+from gcm_learn.cli.files import drawn_into, output, refuse_same, require_suffix, staged
+from gcm_learn.cli.options import FROM_NOTHING, WHOLE, Output, given
 from gcm_learn.cli.progress import Progress
 from gcm_learn.cli.trajectories import Trajectories
 from gcm_learn.errors import GcmError, SituationError
@@ -40,31 +41,28 @@ class Solve:
     """who plans: a name, an actor as clone@20, or your own: module:name, path.py:name, model.zip;
     an unknown name lists all"""
 
-    memory: Annotated[Path | None, arg(metavar="DIR", help_behavior_hint="(default: its own)")] = (
-        None
-    )
-    """folder of a memory, see gcm-learn remember, for a planner that recalls; of a cover, see
+    memory: Annotated[Path | None, given("DIR", "its own")] = None
+    """folder of a memory, see gcm-learn memory make, for a planner that recalls; of a cover, see
     gcm-learn cover, for the planner covered"""
 
-    deadline: Annotated[
-        float | None, arg(metavar="MS", help_behavior_hint="(default: the first catch)")
-    ] = None
-    """processor time for each situation; the planner answers with the best catch that it has then,
-    late by a few ms at most"""
+    deadline: Annotated[float | None, FROM_NOTHING, given("TIME", "the first catch")] = None
+    """processor time for each situation, such as 20ms; the planner answers with the best catch that
+    it has then, late by a few ms at most"""
 
-    out: Annotated[
-        Path | None, arg(metavar="FILE", help_behavior_hint="(default: standard output)")
-    ] = None
-    """where the solutions go; the file appears whole or not at all"""
+    index: Annotated[int | None, WHOLE, given("N", "all")] = None
+    """only this situation of the file, counted from 0"""
 
-    plot: Annotated[
-        Path | None, arg(metavar="DIR", help_behavior_hint="(default: no pictures)")
-    ] = None
+    out: Output = None
+    """where the solutions go"""
+
+    plot: Annotated[Path | None, given("DIR", "no pictures")] = None
     """folder for one PNG picture per situation"""
 
-    trajectories: Annotated[
-        Path | None, arg(metavar="DIR", help_behavior_hint="(default: no files)")
-    ] = None
+    film: Annotated[Path | None, given("FILE", "no film")] = None
+    """film of one situation's movement, a .gif file; of a spatial arm or a chain also an .html page
+    on which it is turned (plotly, extra `plots`)"""
+
+    trajectories: Annotated[Path | None, given("DIR", "no files")] = None
     """folder for one file per catch, with a verified stop after the catch"""
 
     form: Annotated[Literal["ros2", "csv"], arg(name="as")] = "ros2"
@@ -76,16 +74,21 @@ class Solve:
     def run(self) -> int:
         """Solve the file; see `gcm_learn.cli.main` for the exit codes."""
         planner = self._planner()
-        if self.deadline is not None:
-            _check_deadline(self.deadline, planner)
-        situations = read(self.file, planner)
-        _refuse_to_overwrite_input(self.file, self.out)
-        draws = [] if self.plot is None else [_pictures(made_folder(self.plot, option="--plot"))]
-        written = None
-        if self.trajectories is not None:
-            written = Trajectories(self.trajectories, self.form, stop=self.stop)
-            draws.append(written.write)
-        with output(self.out) as stream:
+        if self.deadline is not None and not getattr(planner, "anytime", False):
+            raise CommandFailure(f"--deadline: planner {planner.name!r} takes no deadline")
+        situations = read(self.file, planner, self.index)
+        refuse_same({"FILE": Path(self.file), "--out": self.out, "--film": self.film})
+        with contextlib.ExitStack() as stack:
+            draws: list[Draw] = []
+            if self.plot is not None:
+                draws.append(drawn_into(self.plot, "png", _picture, option="--plot"))
+            if self.film is not None:
+                draws.append(_film(self.film, situations, stack))
+            written = None
+            if self.trajectories is not None:
+                written = Trajectories(self.trajectories, self.form, stop=self.stop)
+                draws.append(written.write)
+            stream = stack.enter_context(output(self.out))
             _solve_all(self, situations, planner, stream, draws)
         return 1 if written is not None and written.refused else 0
 
@@ -104,8 +107,14 @@ class Solve:
         return with_memory(self.planner, Memory.load(self.memory))
 
 
-def read(file: str, planner: Planner | None = None) -> list[AnySituation]:
-    """Return the situations of a file or of standard input (``-``), if `planner` takes them all."""
+def read(file: str, planner: Planner | None = None, index: int | None = None) -> list[AnySituation]:
+    """Return the situations of a file or of standard input (``-``), all or the one of an index.
+
+    Raises
+    ------
+    GcmError
+        In one line: a situation is refused, or `planner` does not take it.
+    """
     from gcm_learn.planners import taken
     from gcm_learn.situation import read_situations
 
@@ -113,7 +122,12 @@ def read(file: str, planner: Planner | None = None) -> list[AnySituation]:
         raise CommandFailure("standard input is closed")
     if planner is None:
         return read_situations(file)
-    found = read_situations(file, partial(_refuse_limits, planner))
+    found = read_situations(file, None if index is not None else partial(_refuse_limits, planner))
+    if index is not None:
+        if index >= len(found):
+            held = f"{file} holds {len(found)} situations, counted from 0"
+            raise CommandFailure(f"--index {index}: {held}")
+        found = [found[index]]
     return [taken(planner, situation) for situation in found]
 
 
@@ -148,13 +162,6 @@ def plan_one(
         raise CommandFailure(message, exit_code=1) from error
 
 
-def _check_deadline(deadline: float, planner: Planner) -> None:
-    if not 0.0 <= deadline < 1e9:
-        raise CommandFailure(f"--deadline {deadline:g}: must be from 0 on")
-    if not getattr(planner, "anytime", False):
-        raise CommandFailure(f"--deadline: planner {planner.name!r} takes no deadline")
-
-
 def _solve_all(
     asked: Solve,
     situations: list[AnySituation],
@@ -162,13 +169,13 @@ def _solve_all(
     stream: TextIO,
     draws: list[Draw],
 ) -> None:
-    file, seconds = asked.file, None if asked.deadline is None else 1e-3 * asked.deadline
+    file = asked.file
     scrolling = stream.isatty()  # the solutions themselves show how far it has come
     with Progress(len(situations), "situations", quiet=scrolling) as progress:
         if situations:  # once for nothing: planning_ms is not to count the loading of kernels
             plan_one(planner, situations[0], file)
         for situation in situations:
-            plan = plan_one(planner, situation, file, seconds)
+            plan = plan_one(planner, situation, file, asked.deadline)
             stream.write(_line(plan, situation, file))
             stream.flush()
             for draw in draws:
@@ -186,21 +193,19 @@ def _line(plan: Plan, situation: AnySituation, file: str) -> str:
         raise CommandFailure(message, exit_code=1) from error
 
 
-def _refuse_to_overwrite_input(file: str, out: Path | None) -> None:
-    if out is None or file == "-" or not out.exists():
-        return
-    if out.is_file() and os.path.samefile(file, out):
-        raise CommandFailure(f"--out {out}: is the input file")
-
-
-def _pictures(folder: Path) -> Draw:
-    """Return a function that writes the picture of a plan into `folder`."""
+def _picture(situation: AnySituation, plan: Plan, place: Path) -> None:
     from gcm_learn import plots
 
-    names = FileNames()
+    plots.plan_figure(situation, plan).savefig(place)
 
-    def draw(situation: AnySituation, plan: Plan) -> None:
-        with staged(folder / f"{names.unused(situation.name)}.png", option="--plot") as place:
-            plots.plan_figure(situation, plan).savefig(place)
 
-    return draw
+def _film(target: Path, situations: list[AnySituation], stack: contextlib.ExitStack) -> Draw:
+    """Return a function that films a plan; `target` appears when the stack ends."""
+    if len(situations) != 1:
+        raise CommandFailure(f"--film: shows one of the {len(situations)} situations, see --index")
+    from gcm_learn.plots import DRAWN, animate, write_film_page
+
+    require_suffix(target, DRAWN.of(situations[0]).films, "--film")
+    show: Any = animate if target.suffix.lower() == ".gif" else write_film_page
+    place = stack.enter_context(staged(target, option="--film"))
+    return lambda situation, plan: show(situation, plan, place)

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 from tyro.conf import arg
 
 from gcm_learn.cli.failures import CommandFailure
-from gcm_learn.cli.progress import AllCores, Progress, check_workers
+from gcm_learn.cli.options import AllCores
+from gcm_learn.cli.progress import Progress
 
 if TYPE_CHECKING:
     from gcm_learn.situation import AnySituation, SolidQuadratic
@@ -28,7 +29,6 @@ class WarmUp:
 
     def run(self) -> int:
         """Let planners answer an example for each kind of arm."""
-        check_workers(self.workers)
         from gcm_learn.errors import GcmError
         from gcm_learn.planners import get_planner
         from gcm_learn.processes import crew_of

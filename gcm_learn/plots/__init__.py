@@ -32,7 +32,7 @@ from gcm_learn.plots.reports.dataset import write_dataset_page
 from gcm_learn.plots.reports.demo import build_demo
 from gcm_learn.plots.reports.film_page import write_film_page
 from gcm_learn.plots.reports.leaderboard import write_leaderboard
-from gcm_learn.plots.reports.memory import write_memory_page, write_shipped_page
+from gcm_learn.plots.reports.memory import write_memory_page
 
 __all__ = [
     "DRAWN",
@@ -63,5 +63,4 @@ __all__ = [
     "write_leaderboard",
     "write_memory_page",
     "write_report",
-    "write_shipped_page",
 ]

@@ -41,7 +41,7 @@ def write_card(
     lines = [
         f"# {folder.name}",
         "",
-        f"- made by: `gcm-learn train-policy CONFIG --out {folder.name}`, configuration in "
+        f"- made by: `gcm-learn train policy CONFIG --out {folder.name}`, configuration in "
         "`config.json`",
         f"- algorithm: {plan.algo}, actions: {plan.actions}, seed {plan.seed}",
         f"- steps: {steps} (of {plan.n_timesteps}; the best on the validation situations is kept)",

@@ -35,7 +35,7 @@ def actor_folder(name: str) -> Path:
     """Return the folder of a trained actor; raise PolicyError if it is missing."""
     folder = next(filter(None, (artifacts.model(name, file) for file in _FILES.entries())), None)
     if folder is None:
-        make = f"gcm-learn train-policy CONFIG --out {artifacts.own('models') / name}"
+        make = f"gcm-learn train policy CONFIG --out {artifacts.own('models') / name}"
         raise PolicyError(artifacts.missing("models", f"trained policy {name!r}", make))
     return folder
 

@@ -254,7 +254,7 @@ class LearnedIndex:
     @classmethod
     def fit(cls, situations: Sequence[Any], seed: int = 0) -> Self:
         """Refused: this one takes training."""
-        raise RecallError("index 'learned': has to be trained first, see gcm-learn train-encoder")
+        raise RecallError("index 'learned': has to be trained first, see gcm-learn train encoder")
 
 
 @dataclass(frozen=True)

@@ -176,7 +176,7 @@ def same_kind(kind: Kind, situation: AnySituation, columns: int = 0) -> None:
     if columns not in (0, own):
         raise ArmKindError(
             f"memory: holds catches of {columns - 2} joints, this arm has {own - 2}; "
-            "`gcm-learn remember` makes one of its own for --memory"
+            "`gcm-learn memory make` makes one of its own for --memory"
         )
 
 

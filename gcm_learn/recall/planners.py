@@ -309,7 +309,7 @@ def shipped_memory(name: str, kind: Kind = PLANAR) -> Memory:
     own = name + whole.removeprefix(MEMORIES.of(PLANAR).shipped)
     folder = artifacts.model(own, MANIFEST) or artifacts.model(whole, MANIFEST)
     if folder is None:
-        make = f"gcm-learn remember DATASET --out {artifacts.own('models') / own}"
+        make = f"gcm-learn memory make DATASET --out {artifacts.own('models') / own}"
         reason = artifacts.missing("models", f"memory {own!r}", make)
         raise RecallError(f"planner {name!r}: {reason}")
     memory = Memory.load(folder)

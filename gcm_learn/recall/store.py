@@ -155,6 +155,16 @@ class Memory:
         return self._columns["labels"][: self._size]
 
     @property
+    def families(self) -> list[str]:
+        """Family of each memory, "" where it is not known."""
+        return [self._words[word] for word in self.labels[:, 0]]
+
+    @property
+    def strata(self) -> list[str]:
+        """Stratum of each memory, "" where it is not known."""
+        return [self._words[word] for word in self.labels[:, 1]]
+
+    @property
     def uses(self) -> np.ndarray:
         """(n,) int32: how often each was the valid one."""
         return self._columns["uses"][: self._size]

@@ -348,7 +348,7 @@ def _start(trainer: Trainer) -> str:
 def _card(trainer: Trainer, records: Dataset, dataset: str, scores: Mapping[str, float]) -> str:
     config, encoder = trainer.config, trainer.encoder
     effort = trainer.effort
-    length = f"--minutes {effort.minutes:g}" if effort.turns is None else f"--turns {effort.turns}"
+    length = f"--time {effort.minutes:g}min" if effort.turns is None else f"--turns {effort.turns}"
     origin = ", ".join(f"{name} `{value}`" for name, value in _origin(records).items())
     rows = "\n".join(f"| {name} | {value:.1%} |" for name, value in scores.items())
     return f"""# Encoder `{encoder.key}`
@@ -359,7 +359,7 @@ situation, catches in it.
 
 | | |
 |---|---|
-| command | `gcm-learn train-encoder {dataset} --out DIR {length} --dim {config.dim} \
+| command | `gcm-learn train encoder {dataset} --out DIR {length} --dim {config.dim} \
 --memory {config.memory} --seed {config.seed}` |
 | starts from | {_start(trainer)} |
 | data | dataset `{records.spec.name}`, {origin}; {len(trainer.data.path_features)} memories |

@@ -210,11 +210,6 @@ def test_the_command_writes_an_arm_that_is_read_again(elbow, tmp_path, capsys):
     assert json.loads(capsys.readouterr().out) == json.loads(out.read_text("utf-8"))
 
 
-def test_arms_that_ship_are_listed(capsys):
-    assert main(["arms"]) == 0
-    assert "panda" in capsys.readouterr().out
-
-
 @pytest.mark.parametrize(
     ("how", "reason"),
     [

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import json
 
-import pytest
-
 from gcm_learn.cli import main
 from gcm_learn.cover import parametric_family
 from gcm_learn.situation import situation_to_json
@@ -32,33 +30,6 @@ def test_a_cover_grows_is_enlarged_and_answers(tmp_path, capsys):
 def test_what_is_not_covered_is_said(tmp_path, capsys):
     assert main(["cover", "belt", "--cells", "1", "--out", str(tmp_path / "c")]) == 0
     assert "not covered: 100.00 %, not examined" in capsys.readouterr().out
-
-
-@pytest.mark.parametrize(
-    ("words", "message"),
-    [
-        (["belt", "--free", "6"], "free: 'belt' has 1 to 5 parameters (got 6)"),
-        (["belt", "--free", "0"], "free: 'belt' has 1 to 5 parameters (got 0)"),
-        (
-            ["bellt"],
-            "family: 'bellt' is not one of belt, belt-space, belt-chain, belt-varied, "
-            "belt-space-varied; did you mean 'belt'?",
-        ),
-        (["belt", "--share", "0"], "--share 0: must be above 0 and at most 1"),
-        (["belt", "--share", "1.5"], "--share 1.5: must be above 0 and at most 1"),
-        (["belt", "--minutes", "0"], "--minutes 0: must be above 0"),
-        (["belt", "--minutes", "nan"], "--minutes nan: must be above 0"),
-        (["belt", "--cells", "0"], "--cells 0: must be at least 1"),
-        (["belt", "--check", "-1"], "--check -1: must not be negative"),
-        (["belt", "--seed", "-1"], "--seed -1: must not be negative"),
-        (["belt", "--workers", "0"], "--workers 0: must be at least 1"),
-    ],
-)
-def test_bad_arguments_get_one_line(words, message, tmp_path, capsys):
-    assert main(["cover", *words, "--out", str(tmp_path / "c")]) == 2
-    error = capsys.readouterr().err
-    assert message in error and error.count("\n") == 1
-    assert not (tmp_path / "c").exists()
 
 
 def test_a_cover_of_something_else_is_not_overwritten(tmp_path, capsys):

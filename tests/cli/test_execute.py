@@ -210,8 +210,6 @@ def test_policies_that_do_not_fit_are_one_line(file, actor, options, said, capsy
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        (["--noise", "-1"], "--noise -1: must be from 0 on"),
-        (["--noise", "nan"], "--noise nan: must be"),
         (["--plant", "kinematic", "--film", "films"], "--film: is of arms with mass"),
         (["--body", "none.json"], "none.json: cannot be read"),
         (["--planner", "layered-wave"], "does not take spatial arms"),

@@ -1,4 +1,4 @@
-"""The bar that shows how far a long command is, and kernels compiled ahead of it."""
+"""The bar that shows how far a long command is."""
 
 from __future__ import annotations
 
@@ -9,8 +9,6 @@ import sys
 
 import pytest
 
-from gcm_learn import processes
-from gcm_learn.cli.demo import compile_ahead
 from gcm_learn.cli.progress import Progress
 
 
@@ -63,17 +61,3 @@ def test_rich_is_imported_with_the_first_bar():
         "sys.exit('rich.progress' in sys.modules)"
     )
     subprocess.run([sys.executable, "-c", code], check=True)
-
-
-def test_another_process_does_it_and_says_nothing(capfd):
-    process = compile_ahead(["straight", "nobody"])
-    if process is not None:
-        process.join()
-        assert process.exitcode == 0
-    assert capfd.readouterr() == ("", "")
-
-
-def test_not_where_it_would_be_in_the_way(monkeypatch):
-    assert compile_ahead([]) is None
-    monkeypatch.setattr(processes, "cores", lambda: 1)
-    assert compile_ahead(["straight"]) is None

@@ -52,11 +52,11 @@ def test_the_arena_refuses_files_and_situations(tmp_path):
             pool_of(source, 1, 0)
 
 
-@pytest.mark.parametrize("command", ["solve", "animate"])
-def test_commands_refuse_before_anything_is_planned_or_written(command, tmp_path, capsys):
-    path, out = tmp_path / "scenes.jsonl", tmp_path / "out.gif"
+@pytest.mark.parametrize("chosen", [[], ["--index", "1"]])
+def test_solve_refuses_before_anything_is_planned_or_written(chosen, tmp_path, capsys):
+    path, out = tmp_path / "scenes.jsonl", tmp_path / "out.jsonl"
     path.write_text(f"{json.dumps(PLANAR)}\n{json.dumps(NAO)}\n")
-    assert main([command, str(path), "--planner", "layered-wave", "--out", str(out)]) == 2
+    assert main(["solve", str(path), "--planner", "layered-wave", "--out", str(out), *chosen]) == 2
     printed, complained = capsys.readouterr()
     assert printed == "" and not out.exists()
     assert complained == (

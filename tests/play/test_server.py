@@ -116,7 +116,7 @@ def test_a_port_that_is_taken_is_one_line(server, capsys):
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (["--port", "70000"], "--port 70000: must be from 0 to 65535"),
+        (["--port", "70000"], "--port 70000: must be at least 0 and at most 65535"),
         (["solid.jsonl"], "solid.jsonl: bodies: this page shows planar arms"),
         (["missing.json"], "missing.json: cannot be read"),
     ],

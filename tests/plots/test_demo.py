@@ -1,4 +1,4 @@
-"""The demo: one folder that tells the whole story."""
+"""The demo: one page that tells the whole story, and what it links to."""
 
 from __future__ import annotations
 
@@ -7,50 +7,32 @@ import re
 import pytest
 
 from gcm_learn.families.paper import PAPER_SCENES
-from gcm_learn.motion import rules_of, verify
-from gcm_learn.plots import FIGURES, build_demo
-from gcm_learn.plots.reports.catches import NAMES, kept_catches, scene_of
-from gcm_learn.scene import pack
+from gcm_learn.plots import build_demo
+from gcm_learn.plots.reports import demo
 from gcm_learn.situation import read_situations
+
+SCREENS, SCREEN = 4, 900  # [CSS pixels]
 
 
 @pytest.mark.slow
-def test_demo_end_to_end(tmp_path):
+@pytest.mark.parametrize("n_random", [0, 3])
+def test_demo_end_to_end(n_random, tmp_path, browser, monkeypatch):
+    monkeypatch.setattr(demo, "MEMORIES", 5)
     steps = []
-    page = build_demo(tmp_path / "demo", 0, 3, steps.append)
+    page = build_demo(tmp_path / "demo", 0, n_random, steps.append)
     text = page.read_text("utf-8")
-    assert page == tmp_path / "demo" / "index.html"
+    assert page == tmp_path / "demo" / "index.html" and len(steps) >= len(PAPER_SCENES)
     images = re.findall(r'src="([^"]+)"', text)
-    for name in (
-        *(f"{figure}.png" for figure in FIGURES if not figure.endswith(("-space", "-body"))),
-        "fig4.gif",
-        "gate.gif",
-        "gate.png",
-        "fig5-space.gif",
-        "fig8-space.gif",
-        "thrown-ball.gif",
-        "random.png",
-    ):
-        assert name in images
+    films = ("fig3.gif", "gate.gif", "thrown-ball.gif")
+    assert sorted(images) == sorted([*films, *(f"{figure}.png" for figure in demo.SHOWN)])
     for image in images:
         assert (page.parent / image).stat().st_size > 1000
     assert {s.name for s in read_situations(page.parent / "paper.jsonl")} == set(PAPER_SCENES)
-    assert len(list(read_situations(page.parent / "space.jsonl"))) == 3
-    assert len(steps) >= len(PAPER_SCENES)
+    assert len(list(read_situations(page.parent / "beyond.jsonl"))) == 2
+    assert (page.parent / "memory" / "index.html").exists()
     assert not re.search(r'(src|href)="(/|http)', text)
-
-
-def test_kept_catches_are_those_of_the_scenes_and_hold():
-    kept = kept_catches()
-    assert [plan.name for _, plan in kept] == list(NAMES)
-    for situation, plan in kept:
-        assert situation == scene_of(plan.name)
-        scene, names = pack(situation), [body.name for body in situation.bodies]
-        verdict = verify(scene, rules_of(scene), plan.trajectory, names.index(plan.catch_body))
-        assert verdict.reason is None
-
-
-@pytest.mark.slow
-def test_demo_without_random_situations(tmp_path):
-    page = build_demo(tmp_path, 0, 0, lambda step: None)
-    assert "random.png" not in page.read_text("utf-8")
+    assert ("random situations" in text) == (n_random > 0)
+    shown = browser.new_page(viewport={"width": 1200, "height": SCREEN})
+    shown.goto(page.as_uri())
+    assert shown.evaluate("document.documentElement.scrollHeight") <= SCREENS * SCREEN
+    shown.close()

@@ -1,4 +1,4 @@
-"""The page of a memory: what it tells is what is remembered and what recall answers."""
+"""The page of a memory: what it tells is what is remembered."""
 
 from __future__ import annotations
 
@@ -11,12 +11,10 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from gcm_learn.families.examples import gate_scene
 from gcm_learn.planners import solve
 from gcm_learn.plots.reports import memory as memory_page
 from gcm_learn.plots.reports.memory import UNIT, principal_places, write_memory_page
-from gcm_learn.recall import Memory, RawIndex, RecallPlanner, waypoints_of
-from gcm_learn.situation.canonical import canonical
+from gcm_learn.recall import Memory, RawIndex, waypoints_of
 
 
 @pytest.fixture
@@ -67,18 +65,6 @@ def test_a_body_is_where_it_is_at_the_catch(memory, tmp_path):
                 size = body.get("radius") or np.abs(body["shape"]).max()
                 gaps.append(np.hypot(*(np.array(body["at"][-2:]) - hand)) - size)
         assert min(gaps) <= UNIT * arm.grasp + (200 if "cuts" in point["bodies"][0] else 2)
-
-
-def test_what_is_asked_is_what_recall_answers(memory, tmp_path):
-    situation = gate_scene()
-    data = told(write_memory_page(memory, tmp_path, [situation], count=1))
-    (answer,) = data["asked"]
-    found = RecallPlanner(memory).recollect(canonical(situation)[0])
-    assert found.plan.caught and answer["checked"] == found.checked
-    assert answer["end"] == pytest.approx(1e3 * found.plan.catch_time, abs=1)
-    held = data["points"][answer["held"]]
-    assert held["words"]["family"] == memory[found.memory].family
-    assert set(answer["tried"]) <= set(range(len(data["points"])))
 
 
 def test_directions_of_one_line_lie_on_one_line():

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-import dataclasses
 from html.parser import HTMLParser
 
-import numpy as np
 from matplotlib.figure import Figure
 
-from gcm_learn.plots.figures.summary import STATUSES, summary_figure, tally
 from gcm_learn.plots.reports.page import Picture, Section, Table, picture_of, render
 
 
@@ -58,33 +55,6 @@ def test_page_is_balanced_escaped_and_linked():
     assert links.anchors == ["#one"] and links.ids == ["one", "large"]
     assert "A &lt; B" in page and "1 &amp; 2" in page and "<td>&lt;b&gt;</td>" in page
     assert "http" not in page
-
-
-def test_tally_counts_and_collects(planar_case):
-    _, plan = planar_case
-    failed = dataclasses.replace(
-        plan, status="unreachable", catch_time=None, clearance=None, planning_ms=9.0
-    )
-    result = tally("gcm", [plan, failed, plan])
-    assert result.counts == dict.fromkeys(STATUSES, 0) | {"caught": 2, "unreachable": 1}
-    assert set(result.counts) == set(STATUSES)
-    np.testing.assert_allclose(result.catch_times, [plan.catch_time] * 2)
-    assert len(result.clearances) == 2 and 9.0 in result.latencies
-
-
-def test_summary_figure_draws_every_planner(planar_case, drawn):
-    _, plan = planar_case
-    far = dataclasses.replace(plan, clearance=float("inf"), planning_ms=0.0)
-    figure = summary_figure([tally("a", [plan, far]), tally("b", [far])])
-    drawn(figure)
-    labels = [text.get_text() for text in figure.axes[1].get_legend().get_texts()]
-    assert labels == ["a", "b"]
-
-
-def test_summary_figure_without_any_catch(planar_case, drawn):
-    _, plan = planar_case
-    failed = dataclasses.replace(plan, status="unreachable", catch_time=None, clearance=None)
-    drawn(summary_figure([tally("a", [failed])]))
 
 
 def test_words_may_lead_to_other_pages():

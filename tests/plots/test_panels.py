@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from pathlib import Path
 
 import numpy as np
@@ -23,7 +22,6 @@ from gcm_learn.plots.figures.hand_space import (
     lattice_of,
 )
 from gcm_learn.plots.figures.maps import birth, draw_snapshot, latest_arrival, plot_map, spread
-from gcm_learn.plots.figures.sheets import engines_figure
 from gcm_learn.plots.figures.solid_scene import (
     GLASS,
     GLASS_ALPHA,
@@ -138,17 +136,6 @@ def test_maps_on_a_common_scale_have_comparable_colours(planar_case):
     ]
     np.testing.assert_allclose(darkest[0], darkest[1])
     assert darkest[2][:3].sum() > darkest[0][:3].sum() + 0.2
-
-
-def test_engines_side_by_side_say_how_each_ended(planar_case, drawn):
-    situation, plan = planar_case
-    failed = dataclasses.replace(plan, status="start_blocked", trajectory=None, map=None)
-    figure = engines_figure(situation, {"gcm": plan, "other": failed})
-    drawn(figure)
-    titles = [ax.get_title() for ax in figure.axes]
-    assert titles[:2] == ["gcm: caught", "other: start blocked"]
-    assert len(titles) == 3, "two panels and one colour bar"
-    drawn(engines_figure(situation, {"other": failed}))
 
 
 def test_spread_keeps_arrivals_and_goes_on_one_cell(planar_case):

@@ -84,7 +84,7 @@ def test_the_namespace_of_gymnasium_may_stand_before_an_environment(tmp_path):
 def test_an_unknown_key_is_found_before_situations_are_drawn(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr("gcm_learn.policies.training.gather", None)
     path = written(tmp_path / "bad.yml", n_envz=3)
-    assert main(["train-policy", str(path), "--out", str(tmp_path / "out")]) == 2
+    assert main(["train", "policy", str(path), "--out", str(tmp_path / "out")]) == 2
     said = capsys.readouterr().err
     assert "CatchArm-v0.n_envz: is not a known field (did you mean 'n_envs'?) of ppo" in said
     assert said.startswith(str(path)) and not (tmp_path / "out").exists()
@@ -127,7 +127,7 @@ def test_a_learner_goes_on_where_it_stopped(tmp_path):
     path = written(tmp_path / "ppo.yml", n_timesteps=128)
     train(read_plan(path), tmp_path / "run", told.append)
     before = (tmp_path / "run" / "model.zip").read_bytes()
-    assert main(["train-policy", str(written(path)), "--out", str(tmp_path / "run")]) == 0
+    assert main(["train", "policy", str(written(path)), "--out", str(tmp_path / "run")]) == 0
     assert (tmp_path / "run" / "model.zip").read_bytes() != before
     rows = [json.loads(r) for r in (tmp_path / "run" / "log.jsonl").read_text().splitlines()]
     assert [row["steps"] for row in rows] == [0, 128, 256]

@@ -75,8 +75,8 @@ def nowhere(monkeypatch):
 
 COMMANDS = {
     "generate": ["data/sample/spec.toml"],
-    "remember": ["data/sample"],
-    "train-encoder": ["data/sample"],
+    "memory make": ["data/sample"],
+    "train encoder": ["data/sample"],
     "evaluate": ["--policies", "straight", "--count", "2"],
 }
 
@@ -89,7 +89,7 @@ def test_no_cluster_and_no_dask_are_said_in_one_line(
     if missing:
         monkeypatch.setitem(sys.modules, "distributed", None)
     out = tmp_path / "out"
-    given = [command, *COMMANDS[command], "--out", str(out), "--cluster", nowhere]
+    given = [*command.split(), *COMMANDS[command], "--out", str(out), "--cluster", nowhere]
     assert main(given) in (1, 2)
     said = capsys.readouterr().err
     wanted = "pip install 'gcm_learn[cluster]'" if missing else f"{nowhere}: no scheduler answers"

@@ -62,7 +62,7 @@ def test_nothing_asks_for_what_is_not_everywhere_while_it_is_imported():
         + "import gcm_learn.cli.arguments, gcm_learn.dataset, gcm_learn.evaluation.contest\n"
         + "from gcm_learn.cli import demo\nfrom gcm_learn.evaluation import turns, entrants\n"
         + "from gcm_learn.dataset import generation, verifying, item\n"
-        + "sys.exit(gcm_learn.cli.main(['families']))"
+        + "sys.exit(gcm_learn.cli.main(['draw', '--list']))"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert done.returncode == 0 and done.stderr == "", done.stderr

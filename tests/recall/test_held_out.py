@@ -98,7 +98,7 @@ def test_labels_draw_neither_a_family_nor_a_range_that_is_held_out(labels):
 def test_a_memory_holds_one_split_alone(records, folder, tmp_path, split):
     """By default that for training, to which its index is fitted too."""
     chosen = [] if split is None else ["--split", split]
-    assert main(["remember", folder, "--out", str(tmp_path / "memory"), *chosen]) == 0
+    assert main(["memory", "make", folder, "--out", str(tmp_path / "memory"), *chosen]) == 0
     memory, split = Memory.load(tmp_path / "memory"), split or "train"
     assert memory.situations() == catches_of(records, split)
     assert memory.index.key == RawIndex.fit([r.situation for r in records.where(split=split)]).key

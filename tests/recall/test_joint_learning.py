@@ -172,11 +172,11 @@ def test_labels_are_what_comes_of_trying(folder, small):
 def test_train_and_remember_on_the_command_line(case, folder, small, tmp_path, capsys):
     model, place = tmp_path / "encoder", tmp_path / "memory"
     words = ["--turns", "2", "--dim", "8", "--seed", "5"]
-    assert main(["train-encoder", str(folder), "--out", str(model), *words]) == 0
+    assert main(["train", "encoder", str(folder), "--out", str(model), *words]) == 0
     assert case.kind.plural in (model / "card.md").read_text("utf-8")
     encoder = load_encoder(model)
     assert encoder.kind == case.kind and encoder.dim == 8
-    assert main(["remember", str(folder), "--out", str(place), "--index", str(model)]) == 0
+    assert main(["memory", "make", str(folder), "--out", str(place), "--index", str(model)]) == 0
     loaded = Memory.load(place)
     assert loaded.kind == case.kind and loaded.index.key == encoder.key and len(loaded) > 5
     situation = families.draw(case.names[0], 33, 0)
@@ -198,7 +198,7 @@ def test_an_encoder_keeps_to_the_number_of_joints_that_it_learned_from(tmp_path,
     shares = shares[1:]
     dataset.generate(replace(case.spec(), count=24, families=shares), tmp_path / "ur5", workers=1)
     model = str(tmp_path / "encoder")
-    assert main(["train-encoder", str(tmp_path / "ur5"), "--out", model, "--turns", "1"]) == 0
+    assert main(["train", "encoder", str(tmp_path / "ur5"), "--out", model, "--turns", "1"]) == 0
     encoder, other = load_encoder(model), families.draw("handover-chain", 35, 0)
     assert encoder.embed_situation(family_from_dict(own).draw(seeding.rng(3, 0), "ur5")).any()
     with pytest.raises(EncoderError, match="situation: of an arm with another number of joints"):

@@ -157,7 +157,7 @@ def test_planners_by_name_use_the_memory_of_the_models(memory, catches, tmp_path
 
     planners._memory.cache_clear()
     monkeypatch.setattr(artifacts, "folders", lambda kind: [tmp_path])
-    with pytest.raises(RecallError, match="gcm-learn remember DATASET --out"):
+    with pytest.raises(RecallError, match="gcm-learn memory make DATASET --out"):
         get_planner("recall")
     memory.save(tmp_path / "recall")
     situation = catches[3][0]

@@ -43,7 +43,7 @@ def filed(memory):
 
 def test_it_is_registered_and_takes_training():
     assert index_class("learned") is LearnedIndex
-    with pytest.raises(RecallError, match="train-encoder"):
+    with pytest.raises(RecallError, match="train encoder"):
         LearnedIndex.fit([])
 
 

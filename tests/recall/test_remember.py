@@ -14,7 +14,7 @@ pytest.importorskip("pyarrow")
 from gcm_learn import dataset
 from gcm_learn.cli import main
 from gcm_learn.errors import RecallError
-from gcm_learn.recall import Memory, RecallPlanner, growth
+from gcm_learn.recall import LearnedIndex, Memory, RecallPlanner, growth
 from gcm_learn.recall.growth import remember
 from tests.dataset.conftest import SMALL, make_here
 
@@ -71,7 +71,7 @@ def test_a_dataset_of_an_arm_file_makes_a_memory_of_this_arm(tmp_path, capsys):
     assert main(["generate", str(tmp_path / "spec.toml"), "--out", data, "--workers", "1"]) == 0
     arm.unlink()  # its text is part of the dataset
     assert dataset.open(data)[0].situation.arm.model.name == "mine"
-    assert main(["remember", data, "--out", str(memory), "--split", "all"]) == 0
+    assert main(["memory", "make", data, "--out", str(memory), "--split", "all"]) == 0
     arm.write_text(json.dumps(model | {"name": "mine"}))
     draw = ["draw", "throw-chain", "--arm", str(arm), "--count", "3", "--out", str(scenes)]
     assert main(draw) == 0
@@ -85,19 +85,35 @@ def test_a_dataset_of_an_arm_file_makes_a_memory_of_this_arm(tmp_path, capsys):
 
 def test_on_the_command_line(folder, tmp_path, capsys):
     out = tmp_path / "memory"
-    assert main(["remember", folder, "--out", str(out), "--split", "all", "--index", "raw"]) == 0
+    given = ["memory", "make", folder, "--split", "all", "--out"]
+    assert main([*given, str(out), "--index", "raw"]) == 0
     said = capsys.readouterr().out
     memory = Memory.load(out)
     assert f"{len(memory)} memories of 20 records" in said and memory.index.key in said
     again = tmp_path / "again"
-    assert main(["remember", folder, "--out", str(again), "--split", "all"]) == 0
+    assert main([*given, str(again)]) == 0
     assert np.array_equal(Memory.load(again).embeddings, memory.embeddings)
+
+
+def test_catches_of_a_dataset_and_of_a_memory_are_embedded(folder, tmp_path, capsys):
+    pytest.importorskip("safetensors")
+    raw = remember(dataset.open(folder), "raw")
+    raw.save(tmp_path / "memory")
+    wanted = raw.refiled(LearnedIndex.load(Path("models/encoder")))
+    for source in (folder, tmp_path / "memory"):
+        out = tmp_path / "embedded.npz"
+        assert main(["memory", "embed", str(source), "--split", "all", "--out", str(out)]) == 0
+        assert f"{len(wanted)} embeddings of 32 numbers" in capsys.readouterr().out
+        with np.load(out) as file:
+            np.testing.assert_array_equal(file["embeddings"], wanted.embeddings)
+            assert file["families"].tolist() == raw.families
+            assert file["strata"].tolist() == raw.strata
 
 
 def test_a_cluster_makes_the_same_memory(folder, scheduler, tmp_path, monkeypatch):
     monkeypatch.setattr(growth, "CHUNK", 6)
     for index in ("raw", "models/encoder"):
-        given = ["remember", folder, "--split", "all", "--index", index, "--out"]
+        given = ["memory", "make", folder, "--split", "all", "--index", index, "--out"]
         files = []
         for name, more in (("here", []), ("there", ["--cluster", scheduler])):
             assert main([*given, str(tmp_path / name), *more]) == 0
@@ -114,14 +130,14 @@ def test_a_cluster_makes_the_same_memory(folder, scheduler, tmp_path, monkeypatc
     [
         (["--index", "best"], "index: 'best' is not one of raw, change, random, pca, learned"),
         (["--most", "0"], "--most 0: must be at least 1"),
-        (["--seed", "-1"], "--seed -1: must not be negative"),
+        (["--seed", "-1"], "--seed -1: must be at least 0"),
         (["--planner", "gmc"], "planner: 'gmc' has no plans"),
         (["--split", "tset"], "--split: 'tset' is not one of"),
         (["--split", "nowhere"], "all"),
     ],
 )
 def test_bad_arguments_are_refused_in_one_line(folder, tmp_path, capsys, arguments, complaint):
-    assert main(["remember", folder, "--out", str(tmp_path / "memory"), *arguments]) == 2
+    assert main(["memory", "make", folder, "--out", str(tmp_path / "memory"), *arguments]) == 2
     said = capsys.readouterr().err
     assert complaint in said and said.count("\n") == 1
     assert not (tmp_path / "memory").exists()

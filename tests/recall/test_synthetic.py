@@ -92,8 +92,8 @@ def test_a_memory_of_them_is_made_and_indexed(tmp_path, capsys):
     assert 15 < len(memory) <= 30
     assert not any(np.array_equal(memory.knots[0], waypoints.knots) for waypoints in stored)
     out = str(tmp_path / "memory")
-    assert main(["remember", "data/sample", "--synthetic", "--most", "5", "--out", out]) == 0
+    assert main(["memory", "make", "data/sample", "--synthetic", "--most", "5", "--out", out]) == 0
     assert len(Memory.load(tmp_path / "memory")) <= 5
-    command = ["remember", "data/sample", "--synthetic", "--planner", "layered", "--out", out]
+    command = ["memory", "make", "data/sample", "--synthetic", "--planner", "layered", "--out", out]
     assert main(command) == 2
     assert "--planner: has no part in --synthetic" in capsys.readouterr().err

@@ -112,7 +112,7 @@ def test_a_cluster_makes_the_same_encoder(folder, small, scheduler, tmp_path, mo
     """By its labels of all kinds: the first about any memories, later ones about the best."""
     monkeypatch.setattr(transfer_labels, "READ", 7)
     monkeypatch.setattr(transfer_labels, "TRIED", 9)
-    given = ["train-encoder", folder, "--turns", "8", "--dim", "4", "--memory", "both", "--out"]
+    given = ["train", "encoder", folder, "--turns", "8", "--dim", "4", "--memory", "both", "--out"]
     for name, more in (("here", []), ("there", ["--cluster", scheduler])):
         assert main([*given, str(tmp_path / name), *more]) == 0
     for file in ("encoder.safetensors", "log.jsonl"):
@@ -144,16 +144,16 @@ def test_a_training_that_a_cluster_left_goes_on_here(folder, small, scheduler, t
 
 def test_a_model_on_the_command_line(folder, small, tmp_path, capsys):
     out = tmp_path / "model"
-    assert main(["train-encoder", folder, "--out", str(out), "--turns", "2", "--dim", "4"]) == 0
+    assert main(["train", "encoder", folder, "--out", str(out), "--turns", "2", "--dim", "4"]) == 0
     encoder = load_encoder(out)
     assert f"key {encoder.key}" in capsys.readouterr().out
     about = json.loads((out / "metrics.json").read_text())
     assert about["key"] == encoder.key and about["lessons"] == 2
     card = (out / "card.md").read_text()
-    assert "train-encoder" in card and about["dataset"]["hash"] in card
+    assert "train encoder" in card and about["dataset"]["hash"] in card
     assert not (out / "work.tmp").exists()
     memory = tmp_path / "memory"
-    assert main(["remember", folder, "--out", str(memory), "--index", str(out)]) == 0
+    assert main(["memory", "make", folder, "--out", str(memory), "--index", str(out)]) == 0
     assert Memory.load(memory).index.key == LearnedIndex(encoder).key
-    assert main(["train-encoder", folder, "--out", str(out), "--turns", "0"]) == 2
+    assert main(["train", "encoder", folder, "--out", str(out), "--turns", "0"]) == 2
     assert "--turns 0" in capsys.readouterr().err

@@ -31,7 +31,7 @@ def encoder() -> Encoder:
 
     folder = artifacts.model("encoder", CONFIG)
     if folder is None:
-        make = f"gcm-learn train-encoder DATASET --out {artifacts.own('models') / 'encoder'}"
+        make = f"gcm-learn train encoder DATASET --out {artifacts.own('models') / 'encoder'}"
         raise EncoderError(artifacts.missing("models", "encoder", make))
     return load_encoder(folder)
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -14,7 +13,7 @@ from matplotlib.figure import Figure
 from gcm_learn.maps import build_map
 from gcm_learn.plots.figures import style
 from gcm_learn.plots.figures.hand_space import show_image
-from gcm_learn.plots.figures.maps import draw_colour_bar, latest_arrival, plot_plan
+from gcm_learn.plots.figures.maps import draw_colour_bar, plot_plan
 from gcm_learn.plots.figures.style import Panel
 from gcm_learn.plots.figures.workspace import draw_movement
 from gcm_learn.situation import Situation
@@ -119,29 +118,3 @@ def _draw_sheet(ax: Axes, situation: Situation, plan: Plan, k: int) -> None:
     if k > 0:  # shade the cells that have an earlier arrival only
         there = ~np.ma.getmaskarray(plan.map.arrival)
         show_image(ax, there[..., None] * np.array(to_rgba(EARLIER)), situation.arm, zorder=0.5)
-
-
-def engines_figure(situation: Situation, plans: Mapping[str, Plan]) -> Figure:
-    """Draw the maps of several engines side by side.
-
-    Parameters
-    ----------
-    situation : Situation
-    plans : mapping of str to Plan
-        By planner; those without a map leave their panel empty.
-
-    Returns
-    -------
-    Figure
-    """
-    figure, panels = style.panel_grid(len(plans), len(plans), (3.0, 3.5), (0.6, 0.0))
-    latest = max((latest_arrival(p.map) for p in plans.values() if p.map is not None), default=0.0)
-    for ax, (name, plan) in zip(panels, plans.items(), strict=True):
-        if plan.map is None:
-            ax.axis("off")
-        else:
-            plot_plan(ax, situation, plan, latest=latest)
-        style.title(ax, f"{name}: {plan.status.replace('_', ' ')}")
-    if latest > 0.0:
-        draw_colour_bar(panels, latest)
-    return figure

@@ -1,24 +1,27 @@
-"""The whole story in one folder: scenes, figures, films, random situations and a page."""
+"""The first page that a newcomer sees: the paper's scenes, and catches beyond them."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from importlib.util import find_spec
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
-from matplotlib.figure import Figure
 
-from gcm_learn.families import CAPTION_INSTANTS, PAPER_SCENES, gate_scene, random_planar
+from gcm_learn.families import (
+    CAPTION_INSTANTS,
+    PAPER_SCENES,
+    gate_scene,
+    random_planar,
+    thrown_scene,
+)
 from gcm_learn.planners import Plan, broken_promise, solve
 from gcm_learn.plots.figures import style
 from gcm_learn.plots.figures.film import FILM_DPI, FRAME_TIME, FRAMES, WIDTH, animate
-from gcm_learn.plots.figures.paper import draw_figure
-from gcm_learn.plots.figures.sheets import engines_figure, mapped, sheets_figure
-from gcm_learn.plots.figures.summary import Tally, summary_figure, tally
-from gcm_learn.plots.reports.catches import kept_catches
-from gcm_learn.plots.reports.film_page import write_film_page
+from gcm_learn.plots.figures.paper import FIGURES, draw_figure
+from gcm_learn.plots.figures.sheets import mapped
+from gcm_learn.plots.reports.memory import write_memory_page
 from gcm_learn.plots.reports.page import (
     Picture,
     Section,
@@ -29,31 +32,31 @@ from gcm_learn.plots.reports.page import (
     section,
     words,
 )
+from gcm_learn.recall import has_memory, shipped_memory
 from gcm_learn.seeding import rng
-from gcm_learn.situation import Situation, write_situations
+from gcm_learn.situation import AnySituation, Situation, write_situations
 
 ENGINES = ("gcm", "marching")
-PLANNERS = ("gcm", "marching", "layered", "straight")
-EXTRA_FIGURES = {"fig8": ("fig7",)}  # shown in the section of another figure's scene
+PLANNERS = (*ENGINES, "search", "straight")
+SHOWN = tuple(name for name in FIGURES if not name.endswith(("-space", "-body")))
 OPENING = "fig3"  # the scene whose film opens the page
-IN_SPACE = 20  # frames of a film of an arm in space, before the look around
+SMALL = 250  # [CSS pixels] width of figures that are enlarged by a click
+MEMORIES = 400  # points on the page of the memory
 WARM_UP = ("fig2", "fig5", "fig8")  # between them they use all compiled code
 
+INSTANTS = (
+    "scene", "paper [τ]", "gcm [τ]", "marching [τ]", "catch [s]", "clearance [forearms]",
+    "gcm: planning [ms]", "marching: planning [ms]",
+)  # fmt: skip
+MEASURES = (
+    "planner", "caught", "unreachable", "start blocked", "broken promises", "median catch [s]",
+    "median clearance [forearms]", "median planning [ms]",
+)  # fmt: skip
 WORDS = words("demo")
 Progress = Callable[[str], None]
 
 
-@dataclass(frozen=True)
-class Solved:
-    """A situation and the plans for it, by planner."""
-
-    situation: Situation
-    plans: dict[str, Plan]
-
-
-def build_demo(
-    out: Path, seed: int, n_random: int, progress: Progress, beside: Sequence[str] = ()
-) -> Path:
+def build_demo(out: Path, seed: int, n_random: int, progress: Progress) -> Path:
     """Solve the paper's scenes and random ones; write pictures and a page about them.
 
     Parameters
@@ -66,8 +69,6 @@ def build_demo(
         How many of them.
     progress : callable
         Called with a sentence at every step.
-    beside : sequence of str
-        Pages that will lie in the folder as well: names in `beside` of the words.
 
     Returns
     -------
@@ -79,178 +80,99 @@ def build_demo(
     for make in (*(PAPER_SCENES[name] for name in WARM_UP), gate_scene):
         _solved(make(), PLANNERS)  # so that the planning times told below are those of planning
     progress("Solving the paper's scenes")
-    scenes = [_solved(make(), ENGINES) for make in PAPER_SCENES.values()]
-    write_situations(out / "paper.jsonl", [scene.situation for scene in scenes])
-    sections = []
-    for scene in scenes:
-        progress(f"Drawing {scene.situation.name}")
-        sections.append(_scene_section(out, scene))
-    sections.append(_overview(scenes))
-    progress("Drawing a gate that opens")
-    sections.append(_waiting_section(out))
-    progress("Drawing arms in space")
-    sections.append(_space_section(out))
+    scenes = {name: make() for name, make in PAPER_SCENES.items()}
+    write_situations(out / "paper.jsonl", [*scenes.values()])
+    plans = {name: _solved(scene, ENGINES) for name, scene in scenes.items()}
+    opening = _film(out, scenes[OPENING], plans[OPENING]["gcm"])
+    sections = [_scenes(out, plans, progress), _beyond(out, progress)]
     if n_random > 0:
         progress(f"Solving {n_random} random situations")
-        sections.append(_random_section(out, seed, n_random))
-    if beside:
-        told = [WORDS["beside"][name] for name in beside]
-        sections.append(section(WORDS, "beside", text=told))
-    sections.append(section(WORDS, "more"))
-    opening = next(_film(scene, "gcm") for scene in scenes if scene.situation.name == OPENING)
+        sections.append(_random(seed, n_random))
+    text = WORDS["sections"]["more"]["text"]
+    if has_memory():
+        progress(f"Drawing {MEMORIES} memories")
+        memory = shipped_memory("recall")
+        write_memory_page(memory, out / "memory", count=MEMORIES, back="../index.html")
+        text = [WORDS["memory"], *text]
+    sections.append(section(WORDS, "more", text=text))
     page = out / "index.html"
     page.write_text(render(WORDS["title"], WORDS["lead"], opening, style.KEY, sections), "utf-8")
     return page
 
 
-def _solved(situation: Situation, planners: Sequence[str]) -> Solved:
-    return Solved(situation, {name: solve(situation, name) for name in planners})
+def _solved(situation: Situation, planners: Sequence[str]) -> dict[str, Plan]:
+    return {name: solve(situation, name) for name in planners}
 
 
-def _overview(scenes: Sequence[Solved]) -> Section:
-    columns = (
-        "scene",
-        "paper: contact [τ]",
-        *(f"{engine}: contact [τ]" for engine in ENGINES),
-        "gcm against paper",
-        "gcm: catch [s]",
-        "gcm: clearance [forearms]",
-        *(f"{engine}: planning [ms]" for engine in ENGINES),
-    )
-    rows = [_overview_row(scene) for scene in scenes]
-    return section(WORDS, "instants", [Table(columns, rows)])
+def _scenes(out: Path, plans: dict[str, dict[str, Plan]], progress: Progress) -> Section:
+    """Show the paper's figures, and when hand and target meet."""
+    pictures = []
+    for name in SHOWN:
+        progress(f"Drawing {name}")
+        drawn = picture_of(draw_figure(name), out / f"{name}.png", WORDS["captions"][name])
+        pictures.append(replace(drawn, width=SMALL))
+    rows = [_row(name, found) for name, found in plans.items()]
+    return section(WORDS, "scenes", [Table(INSTANTS, rows)], pictures)
 
 
-def _overview_row(scene: Solved) -> list[str]:
-    name = scene.situation.name
-    caption = CAPTION_INSTANTS[name][-1] if name in CAPTION_INSTANTS else None
-    contacts = {engine: _contact(scene.plans[engine]) for engine in ENGINES}
-    plan, ours = scene.plans["gcm"], contacts["gcm"]
-    both = caption is not None and ours is not None
+def _row(name: str, plans: dict[str, Plan]) -> list[str]:
+    """Return instants of contact, and the plan of the paper's lattice."""
+    plan, maps = plans["gcm"], [plans[engine].map for engine in ENGINES]
+    contacts = [None if made is None else made.interception_tau for made in maps]
     return [
         name,
-        number(caption, ".0f"),
-        *(number(contacts[engine], ".0f") for engine in ENGINES),
-        f"{100 * (ours / caption - 1):+.1f} %" if both else "–",  # type: ignore[operator]
-        number(plan.catch_time, ".3f") if plan.status == "caught" else plan.status,
+        number(CAPTION_INSTANTS.get(name, (None,))[-1], ".0f"),
+        *(number(contact, ".0f") for contact in contacts),
+        number(plan.catch_time, ".3f"),
         number(plan.clearance, ".3f"),
-        *(number(scene.plans[engine].planning_ms, ".1f") for engine in ENGINES),
+        *(number(plans[engine].planning_ms, ".1f") for engine in ENGINES),
     ]
 
 
-def _contact(plan: Plan) -> float | None:
-    return None if plan.map is None else plan.map.interception_tau
+def _beyond(out: Path, progress: Progress) -> Section:
+    """Film a hand that waits, and an arm in space."""
+    progress("Planning for a gate that opens, and for an arm in space")
+    gate, thrown = gate_scene(), thrown_scene()
+    waits = mapped(gate, solve(gate))
+    pictures = [_film(out, gate, waits), _film(out, thrown, solve(thrown))]
+    write_situations(out / "beyond.jsonl", [gate, thrown])
+    return section(WORDS, "beyond", pictures=pictures)
 
 
-def _scene_section(out: Path, scene: Solved) -> Section:
-    name = scene.situation.name
-    drawn = (*EXTRA_FIGURES.get(name, ()), name)
-    pictures = [_kept(out, figure, draw_figure(figure)) for figure in drawn]
-    pictures.append(_film(scene, "gcm"))
-    animate(scene.situation, scene.plans["gcm"], out / pictures[-1].file)
-    maps = engines_figure(scene.situation, scene.plans)
-    caption = WORDS["captions"]["engines"]
-    pictures.append(picture_of(maps, out / f"{name}-engines.png", caption))
-    return section(WORDS, name, pictures=pictures)
+def _film(out: Path, situation: AnySituation, plan: Plan) -> Picture:
+    """Film a plan and return the film's place on the page."""
+    animate(situation, plan, out / f"{situation.name}.gif")
+    lasts = plan.catch_time or situation.horizon
+    caption = WORDS["films"][situation.name].format(slower=FRAMES * FRAME_TIME / 1000 / lasts)
+    return Picture(f"{situation.name}.gif", caption, round(WIDTH * FILM_DPI))
 
 
-def _kept(out: Path, name: str, figure: Figure, told: Mapping[str, int] | None = None) -> Picture:
-    """Write a figure and return its place on the page, with the caption of its name."""
-    caption = WORDS["captions"][name].format(**(told or {}))
-    return picture_of(figure, out / f"{name}.png", caption)
-
-
-def _film(scene: Solved, planner: str) -> Picture:
-    """Return the place on the page of the film of a planner's movement."""
-    plan = scene.plans[planner]
-    lasts = scene.situation.horizon if plan.catch_time is None else plan.catch_time
-    caption = WORDS["captions"]["film"].format(slower=FRAMES * FRAME_TIME / 1000 / lasts)
-    return Picture(f"{scene.situation.name}.gif", caption, round(WIDTH * FILM_DPI))
-
-
-def _waiting_section(out: Path) -> Section:
-    """Solve a situation in which the hand has to wait."""
-    scene = _solved(gate_scene(), PLANNERS)
-    write_situations(out / "gate.jsonl", [scene.situation])
-    plan = mapped(scene.situation, scene.plans["layered"])
-    film = _film(scene, "layered")
-    animate(scene.situation, plan, out / film.file)
-    first = engines_figure(scene.situation, {name: scene.plans[name] for name in ENGINES})
-    pictures = [
-        _kept(out, "gate", sheets_figure(scene.situation, plan)),
-        film,
-        _kept(out, "gate-engines", first),
-    ]
-    rows = [[name, number(p.catch_time, ".3f"), p.message] for name, p in scene.plans.items()]
-    table = Table(("planner", "catch [s]", "answer"), rows)
-    return section(WORDS, "waiting", [table], pictures)
-
-
-def _space_section(out: Path) -> Section:
-    """Show catches of arms in space: a film and the movement of each, and pages to turn them on."""
-    pictures, rows = [], []
-    for situation, plan in kept_catches():
-        name, lasts = situation.name, plan.catch_time or situation.horizon
-        slower = IN_SPACE * FRAME_TIME / 1000 / lasts
-        caption = WORDS["captions"]["space-film"].format(name=name, slower=slower)
-        animate(situation, plan, out / f"{name}.gif", frames=IN_SPACE)
-        pictures.append(Picture(f"{name}.gif", caption, round(WIDTH * FILM_DPI)))
-        rows.append([name, number(plan.catch_time, ".3f"), number(plan.clearance, ".3f")])
-        if find_spec("plotly") is not None:
-            write_film_page(situation, plan, out / f"{name}.html")
-    write_situations(out / "space.jsonl", [situation for situation, _ in kept_catches()])
-    found = WORDS["sections"]["space"]["text"]
-    text = [*found, *_pages_of(out, [row[0] for row in rows])]
-    table = Table(("scene", "catch [s]", "clearance [the arm's unit]"), rows)
-    return section(WORDS, "space", [table], pictures, text=text)
-
-
-def _pages_of(out: Path, names: Sequence[str]) -> list[str]:
-    """A sentence that leads to the pages that were written."""
-    links = [f"[{name}]({name}.html)" for name in names if (out / f"{name}.html").exists()]
-    return [WORDS["captions"]["space-pages"].format(links=", ".join(links))] if links else []
-
-
-def _random_section(out: Path, seed: int, count: int) -> Section:
-    """Solve random situations with all planners and summarise them."""
-    solved = [_solved(random_planar(rng(seed, k)), PLANNERS) for k in range(count)]
-    tallies = [tally(name, [s.plans[name] for s in solved]) for name in PLANNERS]
-    broken = {name: _count_broken(solved, name) for name in PLANNERS}
+def _random(seed: int, count: int) -> Section:
+    """Solve random situations with all planners and say in numbers how they fared."""
+    situations = [random_planar(rng(seed, k)) for k in range(count)]
+    rows = [_fared(name, situations) for name in PLANNERS]
     told = {"count": count, "seed": seed}
-    picture = _kept(out, "random", summary_figure(tallies), told)
-    return section(WORDS, "random", [_random_table(tallies, broken)], [picture], told=told)
+    return section(WORDS, "random", [Table(MEASURES, rows)], told=told)
 
 
-def _count_broken(solved: Sequence[Solved], planner: str) -> int:
-    return sum(broken_promise(s.situation, s.plans[planner]) is not None for s in solved)
-
-
-def _random_table(tallies: Sequence[Tally], broken: dict[str, int]) -> Table:
-    columns = (
-        "planner",
-        "caught",
-        "unreachable",
-        "start blocked",
-        "broken promises",
-        "median catch [s]",
-        "median clearance [forearms]",
-        "median planning [ms]",
-    )
-    rows = [
-        [
-            t.planner,
-            *(str(t.counts[status]) for status in ("caught", "unreachable", "start_blocked")),
-            str(broken[t.planner]),
-            number(_median(t.catch_times), ".3f"),
-            number(_median(t.clearances), ".3f"),
-            number(_median(t.latencies), ".2f"),
-        ]
-        for t in tallies
+def _fared(name: str, situations: Sequence[Any]) -> list[str]:
+    """Return a planner's row."""
+    plans = [solve(situation, name) for situation in situations]
+    broken = sum(broken_promise(s, p) is not None for s, p in zip(situations, plans, strict=True))
+    caught = [plan for plan in plans if plan.caught]
+    statuses = [plan.status for plan in plans]
+    return [
+        name,
+        *(str(statuses.count(status)) for status in ("caught", "unreachable", "start_blocked")),
+        str(broken),
+        number(_median([plan.catch_time for plan in caught]), ".3f"),
+        number(_median([plan.clearance for plan in caught]), ".3f"),
+        number(_median([plan.planning_ms for plan in plans]), ".2f"),
     ]
-    return Table(columns, rows)
 
 
-def _median(values: np.ndarray) -> float | None:
-    """Median of the finite values; without obstacles a clearance is infinite."""
-    finite = values[np.isfinite(values)]
+def _median(values: Sequence[float | None]) -> float | None:
+    """Return the median of the finite values; without obstacles a clearance is infinite."""
+    found = np.array(values, dtype=float)
+    finite = found[np.isfinite(found)]
     return float(np.median(finite)) if finite.size else None

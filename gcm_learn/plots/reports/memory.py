@@ -9,7 +9,6 @@ from __future__ import annotations
 import base64
 import io
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -18,23 +17,14 @@ from matplotlib.colors import to_rgba
 from PIL import Image
 
 from gcm_learn import seeding
-from gcm_learn.evaluation import draw_suite, suite_file
 from gcm_learn.maps import CognitiveMap, build_map
 from gcm_learn.plots.figures import style
 from gcm_learn.plots.figures.comparison import NAMES
 from gcm_learn.plots.figures.maps import walls
 from gcm_learn.plots.reports.page import fill
-from gcm_learn.recall import (
-    Memory,
-    RecallPlanner,
-    Waypoints,
-    has_memory,
-    passing_of,
-    path_of,
-    shipped_memory,
-)
+from gcm_learn.recall import Memory, passing_of, path_of
 from gcm_learn.scene import entry_of, outline, pack_bodies, poses_at
-from gcm_learn.situation import PLANAR, Situation, canonical
+from gcm_learn.situation import PLANAR, Situation
 from gcm_learn.wave import MarchingParams
 
 SHOWN = 600  # memories on a page
@@ -43,22 +33,13 @@ FRAMES = 13  # instants of a movement that are told
 CORNERS = 16  # of an outline at most
 UNIT = 1000  # of coordinates, per forearm length
 SHADES = 200  # of arrivals in an image; two more colours are the effective cells
-CANDIDATES = 20  # memories that are marked when a situation is asked
 
-SUITE, ENTRIES = "demo", 50  # where the situations come from that the shipped memory is asked
-QUESTIONS = 10  # of them, none of which a straight line solves
-
-KEY = (
-    *(
-        entry
-        for entry in style.KEY
-        if entry[1] not in ("extended obstacle", "explored by the wave")
-    ),
-    (style.EXTENDED, "the path as it was remembered"),
+KEY = tuple(
+    entry for entry in style.KEY if entry[1] not in ("extended obstacle", "explored by the wave")
 )
 COLOURS = {
     "arm": style.ARM, "obstacle": style.OBSTACLE, "target": style.TARGET, "path": style.PATH,
-    "faint": style.FAINT, "ink": style.INK, "before": style.EXTENDED,
+    "faint": style.FAINT,
 }  # fmt: skip
 
 SIDES = {"l": "left", "r": "right"}
@@ -69,7 +50,6 @@ Values = dict[str, Any]
 def write_memory_page(
     memory: Memory,
     out: Path,
-    asked: Sequence[Situation] = (),
     *,
     count: int = SHOWN,
     places: np.ndarray | None = None,
@@ -85,10 +65,8 @@ def write_memory_page(
     memory : Memory
     out : Path
         Folder; made when it is missing.
-    asked : sequence of Situation
-        The page shows what is recalled in them, and how it is adapted.
     count : int
-        Memories that are shown, besides those that are recalled; drawn by lot.
+        Memories that are shown, drawn by lot.
     places : (n, 2) ndarray, optional
         Where the memories lie in the picture; by default the first two principal components of
         the directions of their embeddings.
@@ -105,39 +83,17 @@ def write_memory_page(
         The page, ``index.html``.
     """
     out.mkdir(parents=True, exist_ok=True)
-    questions = [_question(memory, situation) for situation in asked]
-    recalled = [k for q in questions for k in q["tried"]]
-    lot = np.sort(seeding.rng(seed).permutation(len(memory))[:count]).tolist()
-    shown = list(dict.fromkeys([*lot, *recalled]))
-    where = {k: i for i, k in enumerate(shown)}
-    for question in questions:
-        question["tried"] = [where[k] for k in question["tried"]]
-        question["held"] = where.get(question["held"])
+    shown = np.sort(seeding.rng(seed).permutation(len(memory))[:count]).tolist()
     spots = _unit_square(principal_places(memory.embeddings) if places is None else places)
     points = [_point(memory, k) | {"at": spots[k].tolist()} for k in shown]
     for name, words in (groups or {}).items():
         for point, k in zip(points, shown, strict=True):
             point["words"][name] = words[k]
     about = {"title": title, "size": len(memory), "index": memory.index.name}
-    data = {"about": about, "points": points, "asked": questions, "colours": COLOURS}
+    data = {"about": about, "points": points, "colours": COLOURS}
     page = out / "index.html"
     page.write_text(fill("memory.html", {"data": data, "key": KEY, "back": back}), "utf-8")
     return page
-
-
-def write_shipped_page(out: Path, count: int = SHOWN, *, back: str = "") -> Path | None:
-    """The page of the memory that is shipped, asked situations that it has not met.
-
-    Return None if no memory is shipped. `back` is the address of the page that links to it.
-    """
-    if not has_memory():
-        return None
-    asked = []
-    if suite_file(SUITE) is not None:
-        entries = draw_suite(SUITE, ENTRIES)
-        hard = [entry for entry in entries if entry.stratum in ("W", "Q")]
-        asked = [replace(e.situation, name=f"{e.family} ({e.stratum})") for e in hard[:QUESTIONS]]
-    return write_memory_page(shipped_memory("recall"), out, asked, count=count, back=back)
 
 
 def principal_places(embeddings: np.ndarray) -> np.ndarray:
@@ -169,29 +125,6 @@ def _point(memory: Memory, k: int) -> Values:
     return {"words": words, "map": _picture(situation)} | _movement(
         situation, *path_of(waypoints, situation.arm)
     )
-
-
-def _question(memory: Memory, situation: Situation) -> Values:
-    """Return the recalled path in a canonical situation, and its adaptation."""
-    turned, _ = canonical(situation)
-    planner = RecallPlanner(memory)
-    found = planner.recollect(turned)
-    tried = memory.recall(memory.index.embed_query(turned), CANDIDATES).tolist()
-    movement, waypoints = found.plan.trajectory, None
-    if found.memory is not None:
-        waypoints = Waypoints(memory.knots[found.memory], memory.goals[found.memory])
-        tried = list(dict.fromkeys([*tried, found.memory]))
-    time = np.array([0.0, turned.horizon]) if movement is None else movement.time
-    hand = np.array([turned.arm.hand] * 2) if movement is None else movement.hand
-    before = [] if waypoints is None else _whole(path_of(waypoints, turned.arm)[1])
-    return {
-        "name": situation.name,
-        "tried": tried,
-        "held": found.memory,
-        "checked": found.checked,
-        "before": before,
-        "map": _picture(turned),
-    } | _movement(turned, time, hand)
 
 
 def _movement(situation: Situation, time: np.ndarray, hand: np.ndarray) -> Values:

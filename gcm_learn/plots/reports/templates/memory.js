@@ -9,7 +9,7 @@ $("lead").textContent = `${D.about.size} catches are remembered here, filed by t
   `“${D.about.index}”; ${D.points.length} of them are shown. Neighbours are catches that the ` +
   "index takes for alike. Point at one to see it: the hand starts on the right, the bodies move " +
   "until the catch. Its map is that of first arrivals, darker is later.";
-let by = Object.keys(D.points[0].words)[0], only = null, shown = 0, query = null, began = 0;
+let by = Object.keys(D.points[0].words)[0], only = null, shown = 0, began = 0;
 const images = new Map();
 
 function classes() {
@@ -28,18 +28,11 @@ function drawPoints() {
   g.clearRect(0, 0, 1120, 1040);
   for (const p of D.points) {
     const [x, y] = place(p), quiet = only !== null && p.words[by] !== only;
-    g.globalAlpha = quiet ? 0.08 : query === null ? 0.8 : 0.25;
+    g.globalAlpha = quiet ? 0.08 : 0.8;
     g.fillStyle = colourOf(p.words[by], names);
     g.beginPath(); g.arc(x, y, 7, 0, 7); g.fill();
   }
   g.globalAlpha = 1;
-  if (query !== null) {
-    D.asked[query].tried.forEach((k, i) => {
-      const [x, y] = place(D.points[k]), held = k === D.asked[query].held;
-      g.lineWidth = held ? 6 : 3; g.strokeStyle = held ? C.arm : C.ink;
-      g.beginPath(); g.arc(x, y, held ? 15 : 9, 0, 7); g.stroke();
-    });
-  }
   const [x, y] = place(D.points[shown]);
   g.lineWidth = 4; g.strokeStyle = "#000"; g.beginPath(); g.arc(x, y, 12, 0, 7); g.stroke();
 }
@@ -77,11 +70,11 @@ function view(g, m) {
   g.setLineDash([]);
   return s;
 }
-function line(g, points, colour, width, dash) {
-  g.strokeStyle = colour; g.lineWidth = width; g.setLineDash(dash || []);
+function line(g, points, colour, width) {
+  g.strokeStyle = colour; g.lineWidth = width;
   g.lineJoin = g.lineCap = "round"; g.beginPath();
   for (let k = 0; k < points.length; k += 2) g.lineTo(points[k], points[k + 1]);
-  g.stroke(); g.setLineDash([]);
+  g.stroke();
 }
 function body(g, b, t, times, alpha) {
   g.fillStyle = b.target ? C.target : C.obstacle; g.globalAlpha = alpha; g.beginPath();
@@ -109,24 +102,23 @@ function limb(g, m, x, y, s) {
   line(g, [0, 0, m.arm * Math.cos(a), m.arm * Math.sin(a), x, y], C.arm, 9 / s);
   g.fillStyle = C.arm; g.beginPath(); g.arc(x, y, 11 / s, 0, 7); g.fill();
 }
-function scene(id, m, now, before) {
-  const g = $(id).getContext("2d"), s = view(g, m), times = frames(m);
+function scene(m, now) {
+  const g = $("catch").getContext("2d"), s = view(g, m), times = frames(m);
   const hold = 900, t = Math.min(((now - began) * 0.5) % (m.end + hold), m.end);
   for (const b of m.bodies) body(g, b, 0, times, 0.18);
-  if (before && before.length) line(g, before, C.before, 5 / s, [14 / s, 10 / s]);
   line(g, m.hand, C.path, 4 / s);
   for (const b of m.bodies) body(g, b, t, times, 1);
   const [x, y] = lerp(m.hand, 2, t, m.time);
   limb(g, m, x, y, s);
 }
-function chart(id, m) {
+function chart(m) {
   let image = images.get(m);
   if (!image) {
-    image = new Image(); image.onload = () => chart(id, m);
+    image = new Image(); image.onload = () => chart(m);
     image.src = "data:image/png;base64," + m.map; images.set(m, image);
   }
-  if (!image.complete || m !== (id === "map" ? D.points[shown] : D.asked[query])) return;
-  const g = $(id).getContext("2d"), s = view(g, m), reach = m.arm + U;
+  if (!image.complete || m !== D.points[shown]) return;
+  const g = $("map").getContext("2d"), s = view(g, m), reach = m.arm + U;
   g.save(); g.beginPath(); g.arc(0, 0, reach, 0, 7); g.clip(); g.scale(1, -1);
   g.drawImage(image, -reach, -reach, 2 * reach, 2 * reach); g.restore();
   line(g, m.hand, C.path, 5 / s);
@@ -137,21 +129,7 @@ function show(k) {
   const p = D.points[k], w = Object.entries(p.words).map(([a, b]) => `${a}: ${b}`).join(", ");
   $("catch-words").textContent = `caught after ${(p.end / 1000).toFixed(2)} s`;
   $("map-words").textContent = w;
-  drawPoints(); chart("map", p);
-}
-function ask(k) {
-  query = query === k ? null : k;
-  document.querySelectorAll("#asked button").forEach((b, j) =>
-    b.classList.toggle("on", j === query));
-  $("answer").style.display = query === null ? "none" : "flex";
-  if (query === null) { drawPoints(); return; }
-  const q = D.asked[k];
-  $("answer-words").textContent = q.held === null
-    ? `None of ${q.checked} checked paths is free of collisions: this one has to be planned.`
-    : `Path ${q.checked} of those that were checked is free of collisions; it came from the memory ` +
-      `with the red ring, shown above. Caught after ${(q.end / 1000).toFixed(2)} s.`;
-  show(q.held === null ? q.tried[0] : q.held);
-  chart("answer-map", q);
+  drawPoints(); chart(p);
 }
 function nearest(event) {
   const box = $("points").getBoundingClientRect(), f = 1120 / box.width;
@@ -170,15 +148,9 @@ $("points").onmousemove = $("points").onclick = event => {
 };
 for (const name of Object.keys(D.points[0].words)) $("by").append(new Option(name, name));
 $("by").onchange = () => { by = $("by").value; only = null; drawLegend(); drawPoints(); };
-D.asked.forEach((q, k) => {
-  const b = document.createElement("button");
-  b.textContent = q.name; b.onclick = () => ask(k); $("asked").append(b);
-});
-if (!D.asked.length) $("asking").style.display = "none";
 drawLegend(); show(0);
 function tick(now) {
-  scene("catch", D.points[shown], now);
-  if (query !== null) scene("answer-catch", D.asked[query], now, D.asked[query].before);
+  scene(D.points[shown], now);
   requestAnimationFrame(tick);
 }
 requestAnimationFrame(tick);

@@ -1,17 +1,31 @@
-"""``gcm-learn train-encoder``: an encoder for recall, from a dataset."""
+"""``gcm-learn train``: policies that act in the arena, and encoders for recall."""
 
 from __future__ import annotations
 
 import importlib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Annotated, Literal
 
 from tyro.conf import Positional, arg
 
-from gcm_learn.cli.failures import CommandFailure, dataset_package, why
-from gcm_learn.cli.progress import Cluster, Progress, check_workers
+from gcm_learn.cli.failures import CommandFailure, dataset_package, say, why
+from gcm_learn.cli.files import made_folder
+from gcm_learn.cli.options import (
+    COUNT,
+    TIME,
+    WHOLE,
+    All,
+    Cluster,
+    Count,
+    Folder,
+    Number,
+    Workers,
+    given,
+)
+from gcm_learn.cli.progress import Progress
+from gcm_learn.errors import MissingExtraError
 
 if TYPE_CHECKING:
     from gcm_learn.dataset import Dataset
@@ -22,7 +36,38 @@ WORK = "work.tmp"  # folder of what it takes to go on
 
 
 @dataclass(frozen=True)
-class TrainEncoder:
+class Policy:
+    """Train a policy in the arena, or go on where an earlier run of the same command stopped."""
+
+    config: Annotated[Positional[Path], arg(metavar="CONFIG")]
+    """a .yml file of hyperparameters in the form of rl_zoo3; `gcm-learn demo --copy ppo.yml` copies
+    one, `gcm-learn demo --list` lists others"""
+
+    out: Folder
+    """folder for the policy, its checkpoints, its log and its card"""
+
+    seed: Annotated[int | None, WHOLE, given("N", "the file's")] = None
+    """of everything random"""
+
+    steps: Annotated[int | None, COUNT, given("N", "the file's")] = None
+    """of all arms together; more than before goes on with a finished run"""
+
+    def run(self) -> int:
+        """Train, and say how good the policy is."""
+        try:
+            from gcm_learn.policies import read_plan, train
+        except ModuleNotFoundError as error:
+            raise MissingExtraError("train policy", str(error.name), "rl") from None
+        plan = read_plan(self.config)
+        plan = plan if self.seed is None else replace(plan, seed=self.seed)
+        plan = plan if self.steps is None else replace(plan, n_timesteps=self.steps)
+        scores = train(plan, made_folder(self.out, option="--out"), say)
+        print(f"{self.out}: {scores['caught']:.1%} caught, {scores['touched']:.1%} touched")
+        return 0
+
+
+@dataclass(frozen=True)
+class Encoder:
     """Train the encoder that recall asks its memories with.
 
     Stopped by Ctrl-C or otherwise, it goes on from its last checkpoint when it is called again.
@@ -31,23 +76,19 @@ class TrainEncoder:
     dataset: Annotated[Positional[str], arg(metavar="DATASET")]
     """folder of a dataset, see gcm-learn generate; its records for training become memories"""
 
-    out: Annotated[Path, arg(metavar="DIR")]
-    """folder for the model; one that is there is replaced once the new one is complete"""
+    out: Folder
+    """folder for the model"""
 
-    minutes: Annotated[float, arg(metavar="M")] = 40.0
+    time: Annotated[float, TIME, given("TIME", "40min")] = 2400.0
     """how long to train, reading the dataset not counted"""
 
-    turns: Annotated[
-        int | None, arg(metavar="N", help_behavior_hint="(default: as many as fit the minutes)")
-    ] = None
+    turns: Annotated[int | None, COUNT, given("N", "as many as fit the time")] = None
     """train for N lessons instead, which gives the same encoder every time"""
 
-    start: Annotated[
-        Path | None, arg(metavar="DIR", help_behavior_hint="(default: weights drawn at random)")
-    ] = None
+    start: Annotated[Path | None, given("DIR", "weights drawn at random")] = None
     """folder of an encoder whose weights to start from"""
 
-    dim: Annotated[int, arg(metavar="N")] = 32
+    dim: Count = 32
     """numbers of an embedding"""
 
     memory: Literal["trace", "map", "both"] = "trace"
@@ -55,15 +96,15 @@ class TrainEncoder:
 
     synthetic: bool = False
     """learn from random movements to the targets in place of catches, as long as these: a
-    control; see gcm-learn remember --synthetic"""
+    control; see gcm-learn memory make --synthetic"""
 
-    most: Annotated[int | None, arg(metavar="N", help_behavior_hint="(default: all)")] = None
+    most: All = None
     """records that are read at most"""
 
-    seed: Annotated[int, arg(metavar="N")] = 0
+    seed: Number = 0
     """of weights and lessons"""
 
-    workers: Annotated[int, arg(metavar="N")] = 1
+    workers: Workers = 1
     """processes on this machine that read records and make labels"""
 
     cluster: Cluster = None
@@ -73,18 +114,9 @@ class TrainEncoder:
         """Train, write the model and say how good it is."""
         from gcm_learn.processes import crew_of
 
-        self._check()
         records, trainers = dataset_package().open(self.dataset), _training()
         with crew_of(self.workers, self.cluster) as crew:
             return self._train(records, trainers, crew)
-
-    def _check(self) -> None:
-        if not self.minutes > 0.0:
-            raise CommandFailure(f"--minutes {self.minutes}: must be positive")
-        for name, value in (("turns", self.turns), ("most", self.most)):
-            if value is not None and value < 1:
-                raise CommandFailure(f"--{name} {value}: must be at least 1")
-        check_workers(self.workers)
 
     def _train(self, records: Dataset, trainers: ModuleType, crew: Crew) -> int:
         from gcm_learn.recall import EncoderConfig, TransferLabels, load_encoder, write_model
@@ -95,16 +127,11 @@ class TrainEncoder:
         total = len(records.where(split="train"))
         with Progress(min(total, self.most or total), "records read") as reading:
             labels = TransferLabels(
-                records,
-                self.seed,
-                most=self.most,
-                maps=config.uses_maps,
-                synthetic=self.synthetic,
-                crew=crew,
-                progress=reading.advance,
-            )
+                records, self.seed, most=self.most, maps=config.uses_maps,
+                synthetic=self.synthetic, crew=crew, progress=reading.advance,
+            )  # fmt: skip
         try:
-            effort = trainers.Effort(self.minutes, self.turns)
+            effort = trainers.Effort(self.time / 60.0, self.turns)
             start = None if self.start is None else load_encoder(self.start)
             trainer = trainers.Trainer(config, labels, self.out / WORK, effort, start)
             with Progress(PARTS, "parts of the training") as progress:
@@ -120,10 +147,8 @@ class TrainEncoder:
 
 
 def _training() -> ModuleType:
-    """The module that needs torch."""
+    """Return the module that needs torch."""
     try:
         return importlib.import_module("gcm_learn.recall.training")
     except ImportError as error:
-        raise CommandFailure(
-            f"train-encoder needs {error.name}: pip install 'gcm_learn[learn,data]'"
-        ) from None
+        raise MissingExtraError("train encoder", str(error.name), "learn,data") from None

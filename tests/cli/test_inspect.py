@@ -1,4 +1,4 @@
-"""``gcm-learn inspect`` and ``gallery`` on a small dataset."""
+"""``gcm-learn inspect``: datasets, models and arms, in numbers and pictures."""
 
 from __future__ import annotations
 
@@ -20,7 +20,10 @@ from gcm_learn.dataset.folder import Folder
 from gcm_learn.dataset.shards import make_shard, shard_name
 from gcm_learn.errors import DatasetError
 from gcm_learn.processes import Here
+from gcm_learn.recall import Memory, RandomIndex
 from tests.dataset.conftest import SMALL, make_here
+
+ROOT = Path(__file__).parents[2]
 
 
 @pytest.fixture(scope="module")
@@ -122,23 +125,60 @@ def test_a_byte_that_changed_is_found_by_checksums(folder, tmp_path, capsys):
     assert "has no manifest to check it against" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("command", ["inspect", "gallery"])
-def test_no_dataset_is_said_in_one_line(command, tmp_path, capsys):
-    assert main([command, str(tmp_path / "nothing")]) == 2
+def test_no_dataset_is_said_in_one_line(tmp_path, capsys):
+    assert main(["inspect", str(tmp_path / "nothing")]) == 2
     stdout, stderr = capsys.readouterr()
     assert stdout == "" and stderr.count("\n") == 1 and "holds no dataset" in stderr
 
 
-def test_gallery_shows_every_stratum_that_is_there(folder, tmp_path, capsys):
+def test_pictures_show_every_stratum_that_is_there(folder, tmp_path, capsys):
     out = tmp_path / "page"
-    assert main(["gallery", folder, "--out", str(out), "--each", "2"]) == 0
+    assert main(["inspect", folder, "--pictures", str(out), "--each", "2"]) == 0
     assert (out / "index.html").as_uri() in capsys.readouterr().out
     there = set(dataset.open(folder).column("stratum"))
     assert {p.stem for p in out.glob("*.png")} == there
     page = (out / "index.html").read_text()
     for stratum in there:
         assert f'src="{stratum}.png"' in page and (out / f"{stratum}.png").stat().st_size > 5000
-    assert main(["gallery", folder, "--split", "nothing", "--out", str(out)]) == 2
+
+
+MODELS = ROOT / "models"
+
+
+@pytest.mark.parametrize(
+    ("path", "said"),
+    [
+        (MODELS / "encoder", "an encoder for planar arms, key 72471ed756129e02\n  32 numbers"),
+        (MODELS / "clone", "a policy for planar arms, which commands a choice\n  layers of 157,"),
+        (MODELS / "recall", "a memory of 3441 catches of planar arms\n  index learned, 32 numbers"),
+        (ROOT / "gcm_learn/arms/models/ur5.json", "ur5, 6 joints, 8 capsules"),
+    ],
+)
+def test_models_are_told_apart(path, said, capsys):
+    if "encoder" in said or "learned" in said:
+        pytest.importorskip("safetensors")
+    assert main(["inspect", str(path)]) == 0
+    assert said in capsys.readouterr().out
+    assert main(["inspect", str(path), "--verify"]) == 2
+    assert f"--verify: {path} is no dataset" in capsys.readouterr().err
+
+
+def test_a_memory_is_shown_as_points(tmp_path, capsys, monkeypatch):
+    asked = []
+
+    def write_memory_page(memory, out, *, count):
+        asked.append((memory.index.name, len(memory), out, count))
+        return out / "index.html"
+
+    monkeypatch.setattr("gcm_learn.plots.write_memory_page", write_memory_page)
+    memory, page = tmp_path / "m", tmp_path / "page"
+    Memory(RandomIndex()).save(memory)
+    assert main(["inspect", str(memory), "--pictures", str(page), "--each", "3"]) == 0
+    assert asked == [("random", 0, page, 300)]
+    assert (page / "index.html").as_uri() in capsys.readouterr().out
+    (memory / "manifest.json").write_text('{"format": "gcm-learn/memory@1"}')
+    assert main(["inspect", str(memory)]) == 2  # it says that it is a memory, and is damaged
+    assert "m/manifest.json" in capsys.readouterr().err
 
 
 class Interrupted(Here):

@@ -1,0 +1,148 @@
+"""``gcm-learn memory``: memories of catches from datasets, and embeddings of catches."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from tyro.conf import Positional, arg
+
+from gcm_learn.cli.failures import CommandFailure, dataset_package, why
+from gcm_learn.cli.files import require_suffix, staged
+from gcm_learn.cli.options import All, Cluster, Folder, Number, Workers, given
+from gcm_learn.cli.progress import Progress
+from gcm_learn.errors import UnknownNameError
+
+if TYPE_CHECKING:
+    from gcm_learn.dataset import Dataset
+    from gcm_learn.recall import Index
+
+
+@dataclass(frozen=True)
+class Make:
+    """Make a memory of the catches of a dataset, for the planners that recall."""
+
+    dataset: Annotated[Positional[str], arg(metavar="DATASET")]
+    """folder of a dataset, see gcm-learn generate"""
+
+    out: Folder
+    """folder for the memory"""
+
+    index: Annotated[str, arg(metavar="NAME")] = "raw"
+    """how memories are found again: raw, change, pca or random, or the folder of an encoder"""
+
+    planner: Annotated[str | None, given("NAME", "the earliest of all")] = None
+    """whose catches are remembered"""
+
+    synthetic: bool = False
+    """take random movements to the targets in place of catches, as long as these: a control"""
+
+    split: Annotated[str, arg(metavar="NAME")] = "train"
+    """which records: a split's name, or all"""
+
+    most: All = None
+    """records that are read at most"""
+
+    seed: Number = 0
+    """of what is drawn"""
+
+    workers: Workers = 1
+    """processes on this machine"""
+
+    cluster: Cluster = None
+    """a Dask scheduler whose workers are used, tcp://HOST:PORT"""
+
+    def run(self) -> int:
+        """Make the memory and say what is in it."""
+        if self.synthetic and self.planner:
+            raise CommandFailure("--planner: has no part in --synthetic")
+        records = split_of(self.dataset, self.split)
+        from gcm_learn.recall import remember
+
+        index = _index(self.index)
+        total = len(records) if self.most is None else min(self.most, len(records))
+        with Progress(total, "records") as progress:
+            memory = remember(
+                records, index, self.planner or "", synthetic=self.synthetic, seed=self.seed,
+                most=self.most, workers=self.workers, cluster=self.cluster,
+                progress=progress.advance,
+            )  # fmt: skip
+        if len(memory) == 0:
+            raise CommandFailure(f"{self.dataset}: no catches among {total} records")
+        try:
+            memory.save(self.out)
+        except OSError as error:
+            raise CommandFailure(f"--out {self.out}: {why(error)}") from None
+        print(
+            f"{self.out}: {len(memory)} memories of {total} records, index {memory.index.name} "
+            f"({memory.index.dim} numbers, key {memory.index.key})"
+        )
+        return 0
+
+
+@dataclass(frozen=True)
+class Embed:
+    """Write the embeddings of catches, of a dataset or a memory, by an encoder.
+
+    The file holds `embeddings` (n, dim) and the names of `families` and `strata` (n,).
+    """
+
+    source: Annotated[Positional[Path], arg(metavar="DIR")]
+    """folder of a dataset or of a memory"""
+
+    out: Annotated[Path, arg(metavar="FILE")]
+    """a .npz file"""
+
+    encoder: Annotated[str | None, given("DIR", "the one that ships")] = None
+    """folder of an encoder, see gcm-learn train encoder"""
+
+    split: Annotated[str, arg(metavar="NAME")] = "train"
+    """which records of a dataset: a split's name, or all"""
+
+    most: All = None
+    """records that are read at most"""
+
+    def run(self) -> int:
+        """Embed and write."""
+        import numpy as np
+
+        require_suffix(self.out, (".npz",))
+        from gcm_learn import artifacts
+        from gcm_learn.recall import LearnedIndex, Memory, is_memory, remember
+
+        index = LearnedIndex.load(Path(self.encoder or artifacts.shipped("models") / "encoder"))
+        if is_memory(self.source):
+            memory = Memory.load(self.source).refiled(index)
+        else:
+            memory = remember(split_of(str(self.source), self.split), index, most=self.most)
+        with staged(self.out) as place:
+            np.savez_compressed(
+                place, embeddings=memory.embeddings,
+                families=np.array(memory.families), strata=np.array(memory.strata),
+            )  # fmt: skip
+        print(f"{self.out}: {len(memory)} embeddings of {index.dim} numbers, key {index.key}")
+        return 0
+
+
+def split_of(folder: str, split: str) -> Dataset:
+    """Return the records of a dataset's split, or all.
+
+    Raises
+    ------
+    UnknownNameError
+    """
+    records = dataset_package().open(folder)
+    known = [*sorted({str(name) for name in records.column("split")}), "all"]
+    if split not in known:
+        raise UnknownNameError.among("--split", split, known)
+    return records if split == "all" else records.where(split=split)
+
+
+def _index(name: str) -> str | Index:
+    """Return the trained index of a folder, or the name itself."""
+    if not Path(name).is_dir():
+        return name
+    from gcm_learn.recall import LearnedIndex
+
+    return LearnedIndex.load(Path(name))
