@@ -10,6 +10,7 @@ from typing import Any
 DOCS = Path(__file__).resolve().parent
 ROOT = DOCS.parent
 ELSEWHERE = re.compile(r"\]\((?!https?:|#)([^)\s]+)\)")
+COMMENT = re.compile("<!--.*?-->")
 COPIES = {
     "results.md": "experiments/FINDINGS.md",
     "changelog.md": "CHANGELOG.md",
@@ -29,7 +30,7 @@ def setup(app: Any) -> dict[str, bool]:
 def write_pages() -> None:
     """Write the pages that are no files of this folder."""
     for name, source in COPIES.items():
-        _write(name, (ROOT / source).read_text("utf-8"))
+        _write(name, COMMENT.sub("", (ROOT / source).read_text("utf-8")))
     _write("schemas.md", schemas_page())
 
 

@@ -1,8 +1,10 @@
-"""Compute all tables from the outcomes of single situations; nothing is planned.
+"""Compute all tables from the outcomes of single situations, and numbers in documents from those.
 
     python -m experiments recompute                     every experiment that has outcomes
     python -m experiments recompute 05_recall           one of them
     python -m experiments recompute --check             say what differs, and fail if anything does
+
+Nothing is planned. How documents bind numbers is told in `experiments/bound.py`.
 
 An experiment with files `outcomes*.csv.gz` has modules `*report` with a function `results`. It
 returns texts by name of file from the folder of the outcomes. These modules import nothing of their
@@ -16,6 +18,8 @@ import importlib
 import re
 import sys
 from pathlib import Path
+
+from experiments import bound
 
 HERE = Path(__file__).resolve().parent
 STARTS = "def results("
@@ -76,10 +80,13 @@ def main() -> None:
         if not given.check:
             update(HERE / name)
         wrong += differing(HERE / name)
+    for page in bound.PAGES:
+        if (text := bound.renewed(page)) != page.read_text("utf-8"):
+            wrong.append(page) if given.check else page.write_text(text, "utf-8")
     if not given.names:
         print(*archived.values(), sep="\n")
     for file in wrong:
-        print(f"{file.relative_to(HERE)}: not what the outcomes give")
+        print(f"{file.relative_to(HERE.parent)}: not what the results give")
     sys.exit(1 if wrong else 0)
 
 

@@ -1,10 +1,8 @@
-"""Make the write-up of all findings as a PDF of four pages from the results' files.
+"""Make the write-up of all findings as a PDF of four pages.
 
 python -m experiments write_up [FILE]      build/write-up.pdf by default
 
-`write-up.md` is the text. ``{{20_cover/table.md: belt | covered; 1}}`` stands for a number: a file,
-its place by `common.cells`, and decimals (none by default). A share of a JSON file is given in
-percent by ``%``, e.g. ``; %1``.
+`write-up.md` is the text; its numbers are bound to their files as `bound.py` tells.
 """
 
 from __future__ import annotations
@@ -20,40 +18,17 @@ from fpdf import FPDF, FontFace, TextStyle
 from markdown_it import MarkdownIt
 from PIL import Image
 
-from experiments.common.cells import number_at
-
 HERE = Path(__file__).resolve().parent
 TEXT, PDF = HERE / "write-up.md", HERE.parent / "build" / "write-up.pdf"
-NUMBER = re.compile(r"\{\{(\S+): ([^;}]+?)(?:; ?(%?)(\d))?\}\}")
 FONTS = Path(matplotlib.get_data_path()) / "fonts" / "ttf"
 SIZE, MARGIN = 9.0, 19.0  # of the text [pt], of the page [mm]
 GREY = (70, 70, 70)
 WIDE = 1.6  # width over height from which a figure is as wide as the text
 
 
-def filled(text: str, folder: Path = HERE) -> str:
-    """Replace places in a text by their numbers.
-
-    Raises
-    ------
-    LookupError
-        If a place is none, or if something in braces is no place.
-    """
-
-    def number(match: re.Match[str]) -> str:
-        name, place, percent, digits = match.groups()
-        found = number_at(folder / name, place.strip()) * (100.0 if percent else 1.0)
-        return f"{found:,.{int(digits or 0)}f}"
-
-    out = NUMBER.sub(number, text)
-    if "{{" in out:
-        left = out[out.index("{{") :][:60]
-        raise LookupError(f"{left!r}: is no place; expected {{{{FILE: PLACE; DECIMALS}}}}")
-    return out
-
-
 def as_html(text: str, folder: Path = HERE) -> str:
     """Return Markdown as HTML for a page: figures as wide as the text, links without targets."""
+    text = re.sub("<!--.*?-->", "", text)  # places of numbers
     html = MarkdownIt().enable("table").render(text)
     html = re.sub(r'<a href="[^"]*">(.*?)</a>', r"\1", html)
     html = re.sub(r"<p><img src=\"(\S+?)\" alt=\"(.*?)\" ?/?></p>", _figure(folder), html)
@@ -112,13 +87,13 @@ class Pages(FPDF):
 
 
 def main() -> None:
-    """Fill in the numbers and write the pages."""
+    """Write the pages."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("file", nargs="?", type=Path, default=PDF)
     file = parser.parse_args().file
     try:
-        pages = write_pdf(as_html(filled(TEXT.read_text("utf-8"))), file)
-    except (LookupError, OSError) as error:
+        pages = write_pdf(as_html(TEXT.read_text("utf-8")), file)
+    except OSError as error:
         parser.error(str(error))
     print(f"{file}: {pages} pages")
 
