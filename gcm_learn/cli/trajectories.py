@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
@@ -52,19 +51,10 @@ class Trajectories:
             print(one_line(f"gcm-learn: {error}; see --no-stop"), file=sys.stderr)
             return
         with output(self._folder / f"{name}{SUFFIXES[self._form]}") as stream:
-            stream.write(_TEXTS[self._form](moves))
+            stream.write(_text(self._form, moves))
 
 
-def _ros2(moves: Movement) -> str:
-    from gcm_learn.motion import to_joint_trajectory, to_yaml
+def _text(form: Form, moves: Movement) -> str:
+    from gcm_learn.motion import to_csv, to_joint_trajectory, to_yaml
 
-    return to_yaml(to_joint_trajectory(moves))
-
-
-def _csv(moves: Movement) -> str:
-    from gcm_learn.motion import to_csv
-
-    return to_csv(moves)
-
-
-_TEXTS: dict[Form, Callable[[Movement], str]] = {"ros2": _ros2, "csv": _csv}
+    return to_csv(moves) if form == "csv" else to_yaml(to_joint_trajectory(moves))

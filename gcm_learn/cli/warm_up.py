@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 from tyro.conf import arg
 
@@ -11,10 +11,12 @@ from gcm_learn.cli.failures import CommandFailure
 from gcm_learn.cli.options import AllCores
 from gcm_learn.cli.progress import Progress
 
-if TYPE_CHECKING:
-    from gcm_learn.situation import AnySituation, SolidQuadratic
-
-PANDA = (0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785)  # [rad], its usual posture
+EXAMPLES = {
+    "spatial": ("crossing-swarm-space", 3, 5),
+    "planar": ("crossing-swarm", 3, 5),
+    "chain": ("throw-chain", 3, 1),
+}
+"""Family, seed and number of situations with an obstacle beside the straight line to the target."""
 
 
 @dataclass(frozen=True)
@@ -41,7 +43,7 @@ class WarmUp:
                 get_planner(name)
         except GcmError as error:
             raise CommandFailure(f"--planners: {error}") from None
-        tasks = [(name, kind) for kind in ("spatial", "planar", "chain") for name in names]
+        tasks = [(name, kind) for kind in EXAMPLES for name in names]
         with crew_of(self.workers) as crew, Progress(len(tasks), "planners") as progress:
             for _ in crew.results(answered, tasks):
                 progress.advance()
@@ -52,33 +54,13 @@ class WarmUp:
 def answered(task: tuple[str, str]) -> bool:
     """Let a planner answer the example of a kind of arm; return whether it takes the kind."""
     from gcm_learn.errors import ArmKindError
+    from gcm_learn.families import draw
     from gcm_learn.planners import solve
 
     name, kind = task
-    situation: Any = example(kind)
+    situation: Any = draw(*EXAMPLES[kind])
     try:
         solve(situation, name)
     except ArmKindError:
         return False
     return True
-
-
-def example(kind: str) -> AnySituation:
-    """Return a situation with an obstacle beside the straight line to the target."""
-    from gcm_learn.families import draw
-
-    if kind != "chain":
-        return draw("crossing-swarm" if kind == "planar" else "crossing-swarm-space", 3, 5)
-    from gcm_learn.arms import Chain
-    from gcm_learn.situation import Body, Situation, Sphere, shipped_arm
-
-    arm = Chain(shipped_arm("panda"), joints=PANDA, grasp=0.05)
-    ball = Body("target", "ball", Sphere(0.04), _at_rest((0.0, 0.5, 0.5)))
-    post = Body("obstacle", "post", Sphere(0.06), _at_rest((0.27, 0.25, 0.5)))
-    return Situation("warm-up", 1.5, arm, (ball, post))
-
-
-def _at_rest(place: tuple[float, float, float]) -> SolidQuadratic:
-    from gcm_learn.situation import SolidQuadratic
-
-    return SolidQuadratic(place, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))

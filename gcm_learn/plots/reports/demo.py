@@ -40,7 +40,7 @@ ENGINES = ("gcm", "marching")
 PLANNERS = (*ENGINES, "search", "straight")
 SHOWN = tuple(name for name in FIGURES if not name.endswith(("-space", "-body")))
 OPENING = "fig3"  # the scene whose film opens the page
-SMALL = 250  # [CSS pixels] width of figures that are enlarged by a click
+SMALL = 320  # [CSS pixels] width of figures that are enlarged by a click
 MEMORIES = 400  # points on the page of the memory
 WARM_UP = ("fig2", "fig5", "fig8")  # between them they use all compiled code
 

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from gcm_learn.arms import PLANAR, kind_of
 from gcm_learn.families import draw, family_names, fig3, gate_scene
 from gcm_learn.planners import Plan, solve
 from gcm_learn.plots.figures import style
@@ -15,6 +17,7 @@ from gcm_learn.plots.figures.film import animate
 from gcm_learn.plots.figures.hand_space import draw_hand_space
 from gcm_learn.plots.figures.maps import draw_snapshot, plot_map
 from gcm_learn.plots.figures.sheets import mapped, sheets_figure
+from gcm_learn.plots.figures.stage import Stage
 from gcm_learn.plots.figures.workspace import (
     draw_arm,
     draw_bodies,
@@ -22,18 +25,22 @@ from gcm_learn.plots.figures.workspace import (
     draw_targets,
     draw_workspace,
 )
-from gcm_learn.plots.reports.solid_documents import write_solid_gallery
-from gcm_learn.plots.reports.stages import write_chains
+from gcm_learn.plots.reports.solid_documents import save_light, write_solid_gallery
 from gcm_learn.scene import outline
-from gcm_learn.situation import Situation, planar
+from gcm_learn.situation import Situation
 
 INSTANTS = (80.0, 160.0, 240.0)  # [tau] of the wave's snapshots; the contact follows
 SHOWN = 0.35  # [s] instant at which hand-space is shown
 COURSE = 0.45  # [s] length of the arrows
-DPI, DPI_FAMILIES = 150, 110  # for screens with small pixels; the README tells the width
+DPI, DPI_FAMILIES, DPI_CHAINS = (
+    150,
+    110,
+    90,
+)  # for screens with small pixels; the README tells the width
 WORD = "#b7791f"  # darker than what it names, to be readable
 MOST = 200  # draws that are looked through for one worth showing
 GHOSTS = 4  # instants at which the bodies are drawn, the last one being the catch
+PIXELS = 330  # a side of a panel before a camera
 SEEN = 0.05  # [forearms] smallest target that is shown
 KEY = ("arm", "obstacle", "target", "path of the hand")
 
@@ -73,7 +80,7 @@ def write_gallery(folder: Path) -> list[Path]:
     out.append(folder / "families.png")
     families_figure().savefig(out[-1], dpi=DPI_FAMILIES)
     out.append(folder / "families-chain.png")
-    write_chains(out[-1])
+    save_light(chains_figure(), out[-1], DPI_CHAINS)
     return out + write_solid_gallery(folder)
 
 
@@ -159,19 +166,38 @@ def families_figure(seed: int = 0, columns: int = 4) -> Figure:
     return figure
 
 
-def first_case(name: str, seed: int) -> tuple[Situation, Plan]:
-    """The first situation of a family that is caught, but not on the straight line, and seen."""
+def chains_figure(seed: int = 100, columns: int = 4) -> Figure:
+    """Draw one situation of every family for chains, with the movement that catches.
+
+    Parameters
+    ----------
+    seed, columns
+        As of `families_figure`.
+    """
+    names = family_names("chain")
+    figure, panels = style.panel_grid(len(names), columns, (3.0, 2.6))
+    for k, (ax, name) in enumerate(zip(panels, names, strict=True)):
+        Stage(*first_case(name, seed + k, "search")).draw_movement(ax, PIXELS)
+        style.title(ax, name)
+    return figure
+
+
+def first_case(name: str, seed: int, planner: str = "layered") -> tuple[Any, Plan]:
+    """Return the first situation of a family that is caught, not on the straight line, and seen."""
     for k in range(MOST):
-        situation = planar(draw(name, seed, k), "the picture of the families")
+        situation: Any = draw(name, seed, k)
         if solve(situation, "straight").caught:
             continue
-        plan = solve(situation, "layered")
-        if plan.catch_time is None:
-            continue
-        seen = outline(situation, 0, plan.catch_time)  # the plane may hardly touch a solid then
-        if seen is not None and np.ptp(seen, axis=0).min() > SEEN:
+        plan = solve(situation, planner)
+        if plan.caught and (kind_of(situation) != PLANAR or _is_seen(situation, plan)):
             return situation, plan
     raise RuntimeError(f"nothing to show among {MOST} situations of {name}")
+
+
+def _is_seen(situation: Any, plan: Plan) -> bool:
+    """Return whether a planar arm's plane cuts its target at the catch in more than a speck."""
+    seen = outline(situation, 0, plan.catch_time or 0.0)
+    return seen is not None and bool(np.ptp(seen, axis=0).min() > SEEN)
 
 
 def draw_case(ax: Axes, situation: Situation, plan: Plan) -> Axes:
