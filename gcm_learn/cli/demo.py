@@ -21,6 +21,8 @@ PLACES = {
     "notebooks, as scripts that jupytext opens": "docs/notebooks/*.py",
 }
 
+FIGURES = (*(f"fig{k}" for k in range(1, 9)), "fig5-space", "fig8-space", "fig8-body")
+
 
 @dataclass(frozen=True)
 class Demo:
@@ -68,12 +70,12 @@ class Demo:
 
 def _drawn(name: str, out: Path | None) -> Path:
     """Draw a figure of the paper; return its file."""
-    from gcm_learn.plots import FIGURES, draw_figure
-
     if name not in FIGURES:
         raise UnknownNameError.among("figure", name, FIGURES)
     target = out or Path(f"{name}.png")
     require_suffix(target, FORMATS)
+    from gcm_learn.plots import draw_figure
+
     with staged(target) as place:
         draw_figure(name).savefig(place)
     return target
@@ -106,8 +108,6 @@ def _examples() -> dict[str, list[Path]]:
 
 def _listed() -> list[str]:
     """Return lines that name figures and files."""
-    from gcm_learn.plots import FIGURES
-
     names = {"figures of the paper": [*FIGURES]}
     names |= {title: [path.name for path in paths] for title, paths in _examples().items()}
     return [f"{title}: {' '.join(found)}" for title, found in names.items()]

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
 from tyro.conf import Positional, arg
 
 from gcm_learn.cli.failures import CommandFailure, one_line
-from gcm_learn.cli.files import drawn_into, output
+from gcm_learn.cli.files import drawn_into, output, refuse_missing
 from gcm_learn.cli.options import Number, given, ranged
 from gcm_learn.cli.solve import plan_one, read
 
@@ -81,6 +81,7 @@ class Execute:
 
     def run(self) -> int:
         """Execute the file; 1 if the physics of any situation failed, 2 if no arm has a body."""
+        refuse_missing(self.file)
         from gcm_learn.execution import execution_to_json, read_body
 
         if self.film is not None and self.plant != "mujoco":

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import os
 import re
 import sys
 import tempfile
@@ -53,6 +54,18 @@ def output(out: Path | None) -> Iterator[TextIO]:
             if error.filename is not None or isinstance(error, BrokenPipeError):
                 raise  # of another file, or of a reader that went away
             raise CommandFailure(f"--out {out}: {why(error)}") from None
+
+
+def refuse_missing(*places: str | Path) -> None:
+    """Refuse a path that is not there, before libraries are loaded; ``-`` and addresses pass.
+
+    Raises
+    ------
+    CommandFailure
+    """
+    for place in map(str, places):
+        if place != "-" and "://" not in place and not os.path.exists(place):
+            raise CommandFailure(f"{place}: cannot be read (No such file or directory)")
 
 
 def refuse_same(places: Mapping[str, Path | None]) -> None:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated
 from tyro.conf import Positional, arg
 
 from gcm_learn.cli.failures import CommandFailure, dataset_package, why
+from gcm_learn.cli.files import refuse_missing
 from gcm_learn.cli.options import AllCores, Cluster, given
 from gcm_learn.cli.progress import Progress
 
@@ -56,6 +57,7 @@ class Generate:
 
     def run(self) -> int:
         """Make what is missing and say what there is."""
+        refuse_missing(self.spec)
         part = _part(self.shards)
         dataset = dataset_package()
         spec = dataset.read_spec(self.spec)

@@ -12,7 +12,7 @@ from typing import Annotated, Any
 from tyro.conf import Positional, arg
 
 from gcm_learn.cli.failures import CommandFailure, dataset_package
-from gcm_learn.cli.files import made_folder
+from gcm_learn.cli.files import made_folder, refuse_missing
 from gcm_learn.cli.options import Count, given
 
 
@@ -38,6 +38,7 @@ class Inspect:
 
     def run(self) -> int:
         """Print it, then what is wrong with its shards; the exit code is 1 if anything is."""
+        refuse_missing(self.path)
         place = Path(self.path)
         told = next((told for there, told in _MODELS if there(place)), None)
         if told is not None and self.verify:

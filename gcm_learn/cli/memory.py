@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 from tyro.conf import Positional, arg
 
 from gcm_learn.cli.failures import CommandFailure, dataset_package, why
-from gcm_learn.cli.files import require_suffix, staged
+from gcm_learn.cli.files import refuse_missing, require_suffix, staged
 from gcm_learn.cli.options import All, Cluster, Folder, Number, Workers, given
 from gcm_learn.cli.progress import Progress
 from gcm_learn.errors import UnknownNameError
@@ -55,6 +55,7 @@ class Make:
 
     def run(self) -> int:
         """Make the memory and say what is in it."""
+        refuse_missing(self.dataset)
         if self.synthetic and self.planner:
             raise CommandFailure("--planner: has no part in --synthetic")
         records = split_of(self.dataset, self.split)
@@ -105,9 +106,10 @@ class Embed:
 
     def run(self) -> int:
         """Embed and write."""
+        require_suffix(self.out, (".npz",))
+        refuse_missing(self.source)
         import numpy as np
 
-        require_suffix(self.out, (".npz",))
         from gcm_learn import artifacts
         from gcm_learn.recall import LearnedIndex, Memory, is_memory, remember
 

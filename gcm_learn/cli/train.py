@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from tyro.conf import Positional, arg
 
 from gcm_learn.cli.failures import CommandFailure, dataset_package, say, why
-from gcm_learn.cli.files import made_folder
+from gcm_learn.cli.files import made_folder, refuse_missing
 from gcm_learn.cli.options import (
     COUNT,
     TIME,
@@ -54,6 +54,7 @@ class Policy:
 
     def run(self) -> int:
         """Train, and say how good the policy is."""
+        refuse_missing(self.config)
         try:
             from gcm_learn.policies import read_plan, train
         except ModuleNotFoundError as error:
@@ -112,6 +113,7 @@ class Encoder:
 
     def run(self) -> int:
         """Train, write the model and say how good it is."""
+        refuse_missing(self.dataset)
         from gcm_learn.processes import crew_of
 
         records, trainers = dataset_package().open(self.dataset), _training()

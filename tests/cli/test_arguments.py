@@ -20,6 +20,9 @@ MISTAKES = [
     ("train polcy", "did you mean 'train policy'?"),
     ("animate a.json", "gcm-learn: 'animate' is now 'solve --film'"),
     ("solve", "FILE"),
+    ("inspect nothing", "gcm-learn: nothing: cannot be read (No such file or directory)"),
+    ("train policy no.yml --out x", "gcm-learn: no.yml: cannot be read"),
+    ("memory make nothing --out x", "gcm-learn: nothing: cannot be read"),
     ("solve nofile.json", "gcm-learn: nofile.json: cannot be read"),
     ("solve a.json --planner layred", "did you mean 'layered'?"),
     ("solve a.json --colour red", "--colour"),
@@ -107,10 +110,13 @@ def test_former_commands_are_gone_and_what_takes_their_place_is_there():
     assert {new.split(" --")[0] for new in OLD.values()} <= set(COMMANDS)
 
 
-def test_a_mistake_is_found_before_anything_heavy_is_loaded():
+@pytest.mark.parametrize(
+    "words", ["draw x --count 0", "demo --figure x", "inspect x", "train policy x --out y"]
+)
+def test_a_mistake_is_found_before_anything_heavy_is_loaded(words):
     code = (
-        "import sys; from gcm_learn.cli import main; assert main(['draw', 'x', '--count', '0'])\n"
-        "sys.exit({'numpy', 'numba', 'matplotlib'} & set(sys.modules) != set())"
+        f"import sys; from gcm_learn.cli import main; assert main({words.split()}) == 2\n"
+        "sys.exit({'numpy', 'numba', 'matplotlib', 'torch'} & set(sys.modules) != set())"
     )
     subprocess.run([sys.executable, "-c", code], check=True, capture_output=True)
 

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from gcm_learn import artifacts
+from gcm_learn import artifacts, plots
 from gcm_learn.cli import main
-from gcm_learn.cli.demo import PLACES
+from gcm_learn.cli.demo import FIGURES, PLACES
 
 
 class Picture:
@@ -49,7 +49,7 @@ def test_all_are_listed_by_names_of_their_own(capsys):
     assert main(["demo", "--list"]) == 0
     listed = capsys.readouterr().out
     paths = [path for pattern in PLACES.values() for path in artifacts.source().glob(pattern)]
-    assert all(path.name in listed for path in paths) and "fig8-space" in listed
+    assert all(path.name in listed for path in paths) and list(FIGURES) == list(plots.FIGURES)
     assert len({path.name for path in paths}) == len({path.stem for path in paths}) == len(paths)
 
 

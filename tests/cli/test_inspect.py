@@ -126,7 +126,7 @@ def test_a_byte_that_changed_is_found_by_checksums(folder, tmp_path, capsys):
 
 
 def test_no_dataset_is_said_in_one_line(tmp_path, capsys):
-    assert main(["inspect", str(tmp_path / "nothing")]) == 2
+    assert main(["inspect", str(tmp_path)]) == 2
     stdout, stderr = capsys.readouterr()
     assert stdout == "" and stderr.count("\n") == 1 and "holds no dataset" in stderr
 
