@@ -185,11 +185,8 @@ def _law(rng, law, place, when):
         times = sorted({0.0, 0.3, when, when + 0.4})
         places = [(place + rng.uniform(-0.3, 0.3, 3) * (t != when)).tolist() for t in times]
         return {
-            "kind": law,
-            "times": times,
-            "positions": places,
-            "orientations": _turning(rng, times),
-        }
+            "kind": law, "times": times, "positions": places, "orientations": _turning(rng, times),
+        }  # fmt: skip
     axis = np.array(_unit(rng, 3))
     down = np.cross(axis, _unit(rng, 3))
     swing = {"kind": law, "pivot": [0.0] * 3, "axis": axis.tolist(), "length": 0.8, "gravity": 9.8}

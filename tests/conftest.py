@@ -6,6 +6,7 @@ import os
 import shutil
 import signal
 from collections.abc import Generator, Iterator
+from dataclasses import replace
 from typing import TypeVar
 
 import numpy as np
@@ -84,3 +85,24 @@ def browser():
         chromium = playwright.chromium.launch(executable_path=found, args=list(FLAGS))
         yield chromium
         chromium.close()
+
+
+@pytest.fixture(scope="session")
+def small_folder(tmp_path_factory) -> str:
+    """Folder of a dataset of 50 records that no test changes."""
+    return _dataset("SMALL", tmp_path_factory, audit=0.1)
+
+
+@pytest.fixture(scope="session")
+def marked_folder(tmp_path_factory) -> str:
+    """Folder of a dataset with all kinds of splits, see its specification."""
+    return _dataset("MARKED", tmp_path_factory)
+
+
+def _dataset(name: str, tmp_path_factory, **changes) -> str:
+    pytest.importorskip("pyarrow")
+    from tests.dataset import conftest
+
+    folder = str(tmp_path_factory.mktemp(name.lower()))
+    conftest.make_here(replace(getattr(conftest, name), **changes), folder)
+    return folder

@@ -9,37 +9,9 @@ from typing import Any
 import numpy as np
 from hypothesis import strategies as st
 
-from gcm_learn.arms import (
-    Arm,
-    Base,
-    Chain,
-    ChainJoint,
-    ChainModel,
-    Follows,
-    Hand,
-    Link,
-    SpatialArm,
-)
+from gcm_learn import arms as limbs
+from gcm_learn import situation
 from gcm_learn.referee.rotations import rotations as of_quaternion
-from gcm_learn.situation import (
-    CATCHES,
-    Approach,
-    Body,
-    Box,
-    Capsule,
-    Cylinder,
-    Disc,
-    Pendulum,
-    Piece,
-    Piecewise,
-    PlanarQuadratic,
-    Plane,
-    Polygon,
-    Sampled,
-    Situation,
-    SolidQuadratic,
-    Sphere,
-)
 from gcm_learn.situation.timed_motion import flown
 
 lengths = st.floats(0.01, 0.5)
@@ -78,33 +50,26 @@ def polygons(draw, max_vertices=7):
         angle = turn + (k + draw(st.floats(-0.2, 0.2))) * 2 * math.pi / count
         radius = draw(lengths)
         corners.append((radius * math.cos(angle), radius * math.sin(angle)))
-    return Polygon(tuple(corners))
+    return situation.Polygon(tuple(corners))
 
 
-discs = st.builds(Disc, lengths)
+discs = st.builds(situation.Disc, lengths)
 planar_shapes = st.one_of(discs, polygons())
-spheres = st.builds(Sphere, lengths)
-boxes = st.builds(Box, vectors(3, lengths))
-capsules = st.builds(Capsule, lengths, lengths)
-cylinders = st.builds(Cylinder, lengths, lengths)
+spheres = st.builds(situation.Sphere, lengths)
+boxes = st.builds(situation.Box, vectors(3, lengths))
+capsules = st.builds(situation.Capsule, lengths, lengths)
+cylinders = st.builds(situation.Cylinder, lengths, lengths)
 solid_shapes = st.one_of(spheres, boxes, capsules, cylinders)
 
 planar_motions = st.builds(
-    PlanarQuadratic,
-    position=vectors(2),
-    velocity=vectors(2),
-    acceleration=vectors(2),
-    angle=st.just(0.0) | angles,
-    spin=st.just(0.0) | coordinates,
-)
+    situation.PlanarQuadratic, position=vectors(2), velocity=vectors(2), acceleration=vectors(2),
+    angle=st.just(0.0) | angles, spin=st.just(0.0) | coordinates,
+)  # fmt: skip
 solid_quadratics = st.builds(
-    SolidQuadratic,
-    position=vectors(3),
-    velocity=vectors(3),
-    acceleration=vectors(3),
+    situation.SolidQuadratic, position=vectors(3), velocity=vectors(3), acceleration=vectors(3),
     orientation=st.just((1.0, 0.0, 0.0, 0.0)) | unit_vectors(4),
     spin=st.just((0.0, 0.0, 0.0)) | vectors(3),
-)
+)  # fmt: skip
 
 
 @st.composite
@@ -118,24 +83,19 @@ def frames(draw):
 def pendulums(draw):
     """Pendulums whose cord is of the arm's scale."""
     axis, down = draw(frames())
-    return Pendulum(
-        pivot=draw(vectors(3)),
-        axis=axis,
-        down=down,
-        length=draw(st.floats(0.2, 4.0)),
-        gravity=draw(st.floats(0.0, 80.0)),
-        angle=draw(angles),
-        rate=draw(coordinates),
+    return situation.Pendulum(
+        pivot=draw(vectors(3)), axis=axis, down=down, length=draw(st.floats(0.2, 4.0)),
+        gravity=draw(st.floats(0.0, 80.0)), angle=draw(angles), rate=draw(coordinates),
         damping=draw(st.just(0.0) | st.floats(0.0, 2.0)),
         hang=draw(st.none() | st.floats(0.0, 4.0)),
-    )
+    )  # fmt: skip
 
 
 @st.composite
 def planes(draw):
     """Planes of any orientation."""
     x, y = draw(frames())
-    return Plane(draw(vectors(3)), x, y)
+    return situation.Plane(draw(vectors(3)), x, y)
 
 
 @st.composite
@@ -145,7 +105,7 @@ def arms(draw):
     inner, outer = abs(upper_arm - 1.0), upper_arm + 1.0
     radius = inner + (outer - inner) * draw(st.floats(0.01, 0.99))
     angle = draw(angles)
-    return Arm(
+    return limbs.Arm(
         hand=(radius * math.cos(angle), radius * math.sin(angle)),
         max_hand_speed=draw(st.floats(0.1, 10.0)),
         upper_arm=upper_arm,
@@ -159,7 +119,7 @@ def arms(draw):
 @st.composite
 def bases(draw):
     """Poses of a shoulder."""
-    return Base(draw(vectors(3)), draw(st.just((1.0, 0.0, 0.0, 0.0)) | unit_vectors(4)))
+    return limbs.Base(draw(vectors(3)), draw(st.just((1.0, 0.0, 0.0, 0.0)) | unit_vectors(4)))
 
 
 @st.composite
@@ -189,19 +149,13 @@ def spatial_arms(draw, held=True):
     rates = None
     if fastest is not None and draw(st.booleans()):
         rates = tuple(draw(st.floats(-most, most)) for most in speeds)
-    return SpatialArm(
-        upper_arm=draw(bones()),
-        forearm=draw(bones()),
-        joints=tuple(draw(st.floats(low, high)) for low, high in ranges),
-        joint_range=ranges,
-        max_joint_speed=speeds,
-        grasp=draw(st.floats(0.0, 0.2)),
-        base=draw(bases()),
-        joint_rates=rates,
-        max_hand_speed=draw(st.none() | st.floats(0.1, 10.0)),
-        max_joint_acceleration=fastest,
-        thickness=draw(st.just(0.0) | st.floats(0.0, 0.1)),
-    )
+    return limbs.SpatialArm(
+        upper_arm=draw(bones()), forearm=draw(bones()),
+        joints=tuple(draw(st.floats(low, high)) for low, high in ranges), joint_range=ranges,
+        max_joint_speed=speeds, grasp=draw(st.floats(0.0, 0.2)), base=draw(bases()),
+        joint_rates=rates, max_hand_speed=draw(st.none() | st.floats(0.1, 10.0)),
+        max_joint_acceleration=fastest, thickness=draw(st.just(0.0) | st.floats(0.0, 0.1)),
+    )  # fmt: skip
 
 
 @st.composite
@@ -213,8 +167,8 @@ def piecewise(draw):
         if pieces:
             position, turn = flown(pieces[-1].motion, start - pieces[-1].start)
             law = replace(draw(solid_quadratics), position=position, orientation=turn)
-        pieces.append(Piece(start, law))
-    return Piecewise(tuple(pieces))
+        pieces.append(situation.Piece(start, law))
+    return situation.Piecewise(tuple(pieces))
 
 
 @st.composite
@@ -226,11 +180,11 @@ def sampled(draw):
         times.append(times[-1] + draw(st.floats(0.05, 0.8)))
     rows = tuple(draw(vectors(3)) for _ in times)
     if draw(st.booleans()):
-        return Sampled(tuple(times), rows)
+        return situation.Sampled(tuple(times), rows)
     turns = [draw(unit_vectors(4))]
     for _ in times[1:]:
         turns.append(draw(unit_vectors(4).filter(lambda q: abs(np.dot(q, turns[-1])) > 1e-3)))
-    return Sampled(tuple(times), rows, tuple(turns))
+    return situation.Sampled(tuple(times), rows, tuple(turns))
 
 
 @st.composite
@@ -241,28 +195,25 @@ def chain_models(draw, trees=False):
     """
     count = draw(st.integers(2, 6) if trees else st.integers(1, 4))
     limited = draw(st.booleans())
-    joints: list[ChainJoint] = []
+    joints: list[limbs.ChainJoint] = []
     for k in range(count):
         low = draw(st.floats(-3.0, 1.0))
-        made = ChainJoint(
-            axis=draw(unit_vectors()),
-            range=(low, low + draw(st.floats(0.0, 4.0))),
+        made = limbs.ChainJoint(
+            axis=draw(unit_vectors()), range=(low, low + draw(st.floats(0.0, 4.0))),
             max_speed=draw(st.floats(0.1, 9.0)),
             type=draw(st.sampled_from(["revolute", "prismatic"])),
-            origin=draw(vectors(3, st.floats(-1.0, 1.0))),
-            rotation=draw(unit_vectors(4)),
-            max_acceleration=draw(st.floats(0.1, 99.0)) if limited else None,
-            name=f"joint {k}",
-        )
+            origin=draw(vectors(3, st.floats(-1.0, 1.0))), rotation=draw(unit_vectors(4)),
+            max_acceleration=draw(st.floats(0.1, 99.0)) if limited else None, name=f"joint {k}",
+        )  # fmt: skip
         joints.append(draw(_in_tree(made, joints)) if trees else made)
     ends = vectors(3, st.floats(-1.0, 1.0))
     named = draw(st.sampled_from([[None] * 7, ["base", None, "arm", "arm", "", None, "b"]]))
     links = tuple(
-        Link(k, draw(ends), draw(ends), draw(lengths), named[k]) for k in range(count + 1)
+        limbs.Link(k, draw(ends), draw(ends), draw(lengths), named[k]) for k in range(count + 1)
     )
     pairs = draw(st.sampled_from([(), ((0, count),)]))
-    hand = Hand(draw(st.integers(1, count)), draw(ends), draw(unit_vectors()))
-    return ChainModel(draw(names), tuple(joints), links, hand, pairs, draw(names))
+    hand = limbs.Hand(draw(st.integers(1, count)), draw(ends), draw(unit_vectors()))
+    return limbs.ChainModel(draw(names), tuple(joints), links, hand, pairs, draw(names))
 
 
 @st.composite
@@ -278,7 +229,7 @@ def _in_tree(draw, joint, before):
     middle, half = ends.mean(), share * 0.5 * np.ptp(ends) + 1e-3
     least = draw(st.sampled_from([joint.max_acceleration, None]))
     return replace(
-        joint, follows=Follows(leader, factor, offset), max_acceleration=least,
+        joint, follows=limbs.Follows(leader, factor, offset), max_acceleration=least,
         range=(float(middle - half), float(middle + half)),
     )  # fmt: skip
 
@@ -288,17 +239,14 @@ def chains(draw, trees=False):
     """Chains anywhere in their ranges."""
     model = draw(chain_models(trees))
     limits: Any = draw(st.sampled_from(["model", None]) | vectors(model.dof, st.floats(0.1, 9.0)))
-    return Chain(
-        model=model,
-        joints=tuple(draw(st.floats(*ends)) for ends in model.ranges),
-        grasp=draw(st.floats(0.0, 0.2)),
-        base=draw(bases()),
-        max_hand_speed=draw(st.none() | st.floats(0.1, 9.0)),
-        max_joint_acceleration=limits,
-    )
+    return limbs.Chain(
+        model=model, joints=tuple(draw(st.floats(*ends)) for ends in model.ranges),
+        grasp=draw(st.floats(0.0, 0.2)), base=draw(bases()),
+        max_hand_speed=draw(st.none() | st.floats(0.1, 9.0)), max_joint_acceleration=limits,
+    )  # fmt: skip
 
 
-approaches = st.builds(Approach, unit_vectors(), st.floats(0.0, math.pi))
+approaches = st.builds(situation.Approach, unit_vectors(), st.floats(0.0, math.pi))
 solid_motions = st.one_of(solid_quadratics, pendulums(), piecewise(), sampled())
 
 
@@ -306,19 +254,23 @@ solid_motions = st.one_of(solid_quadratics, pendulums(), piecewise(), sampled())
 def third_situations(draw, max_bodies=3):
     """Valid situations of version 3: chains or spatial arms, all motions, several catches."""
     arm = draw(chains() | spatial_arms())
-    if isinstance(arm, SpatialArm):
+    if isinstance(arm, limbs.SpatialArm):
         arm = replace(arm, joint_rates=None)  # the hand's limit holds at t = 0
-    catch, bodies = draw(st.sampled_from(CATCHES)), []
+    catch, bodies = draw(st.sampled_from(situation.CATCHES)), []
     for k in range(draw(st.integers(1, max_bodies))):
         role = "target" if k == 0 or (catch != "any" and draw(st.booleans())) else "obstacle"
         approach = draw(st.none() | approaches) if role == "target" else None
-        bodies.append(Body(role, str(k), draw(solid_shapes), draw(solid_motions), approach))
+        bodies.append(
+            situation.Body(role, str(k), draw(solid_shapes), draw(solid_motions), approach)
+        )
     obstacles = [body.name for body in bodies if body.role == "obstacle"]
-    if isinstance(arm, Chain) and obstacles:
+    if isinstance(arm, limbs.Chain) and obstacles:
         arm = replace(arm, ignore=((arm.model.links[0].name or 0, obstacles[0]),))
     horizon = draw(st.floats(0.05, 3.0))
     version = "gcm-learn/situation@3"
-    return Situation(draw(names), horizon, arm, tuple(bodies), catch=catch, format=version)
+    return situation.Situation(
+        draw(names), horizon, arm, tuple(bodies), catch=catch, format=version
+    )
 
 
 def _situations(shapes, motions, planes, max_bodies, arms):
@@ -327,18 +279,14 @@ def _situations(shapes, motions, planes, max_bodies, arms):
 
     def bodies(drawn):
         return tuple(
-            Body("target" if k == 0 else role, str(k), shape, motion)
+            situation.Body("target" if k == 0 else role, str(k), shape, motion)
             for k, (role, shape, motion) in enumerate(drawn)
         )
 
     return st.builds(
-        Situation,
-        name=names,
-        horizon=st.floats(0.05, 3.0),
-        arm=arms,
-        bodies=st.lists(parts, min_size=1, max_size=max_bodies).map(bodies),
-        plane=planes,
-    )
+        situation.Situation, name=names, horizon=st.floats(0.05, 3.0), arm=arms,
+        bodies=st.lists(parts, min_size=1, max_size=max_bodies).map(bodies), plane=planes,
+    )  # fmt: skip
 
 
 def planar_situations(max_bodies=3):

@@ -1,10 +1,50 @@
-"""Bodies of situations as JSON: what tests of distances and motions share."""
+"""Builders of what tests ask about: bodies and situations as records, and bodies as JSON."""
 
 from __future__ import annotations
 
 import copy
+from dataclasses import replace
 
 import numpy as np
+
+from gcm_learn import situation
+from gcm_learn.arms import Arm, Chain
+
+REST = (0.0, 0.0, 0.0)
+READY = (0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785)
+"""A posture of a Panda with its hand before it, downwards."""
+
+
+def panda(grasp=0.03, posture=READY, **limits):
+    """A Panda."""
+    return Chain(situation.shipped_arm("panda"), posture, grasp, **limits)
+
+
+def flight(place, velocity=REST, acceleration=REST, **turns):
+    """The motion of a solid that flies; without velocity and acceleration it rests."""
+    return situation.SolidQuadratic(tuple(place), tuple(velocity), tuple(acceleration), **turns)
+
+
+def solid_ball(name, place, velocity=REST, role="obstacle", radius=0.02, **more):
+    """A ball in space that flies straight on or rests."""
+    return situation.Body(role, name, situation.Sphere(radius), flight(place, velocity), **more)
+
+
+def disc(name, place, velocity=(0.0, 0.0), role="obstacle", radius=0.2, acceleration=(0.0, 0.0)):
+    """A disc in the plane that flies or rests."""
+    return situation.Body(
+        role, name, situation.Disc(radius), situation.PlanarQuadratic(place, velocity, acceleration)
+    )
+
+
+def among(arm, *bodies, horizon=1.0, name="among", **more):
+    """An arm among bodies; its target is far away unless one is given."""
+    if not any(body.role == "target" for body in bodies):
+        planar = isinstance(arm, Arm)
+        far = disc("far", (9.0, 0.0)) if planar else solid_ball("far", (9.0, 9.0, 9.0), radius=0.1)
+        bodies = (*bodies, replace(far, role="target"))
+    return situation.Situation(name, horizon, arm, bodies, **more)
+
 
 ZERO = [0.0, 0.0, 0.0]
 

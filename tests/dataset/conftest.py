@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import pytest
 
 pytest.importorskip("pyarrow")
@@ -15,38 +13,38 @@ from gcm_learn.dataset.manifest import manifest_of, write_manifest
 from gcm_learn.dataset.shards import make_shard
 
 SMALL = DatasetSpec(
-    name="small",
-    seed=3,
-    count=50,
-    families=(FamilyShare("random-planar"),),
-    planners=("marching", "layered"),
-    map="marching",
-    n=40,
-    rungs=2,
-    shard_size=20,
-)
+    "small", seed=3, count=50, families=(FamilyShare("random-planar"),),
+    planners=("marching", "layered"), map="marching", n=40, rungs=2, shard_size=20,
+)  # fmt: skip
 
 MARKED = DatasetSpec(
-    name="marked",
-    seed=5,
-    count=80,
+    "marked", seed=5, count=80, planners=("layered",), map="none", n=40, rungs=1, shard_size=80,
     families=(
         FamilyShare("moving-point", config={"arm": {"grasp": [0.05, 0.05]}}),
         FamilyShare("static-clutter", config={"arm": {"grasp": [0.06, 0.06]}}),
         FamilyShare("gate", config={"arm": {"grasp": [0.08, 0.08]}}),
     ),
-    planners=("layered",),
-    map="none",
-    n=40,
-    rungs=1,
-    shard_size=80,
     split=Split(validation=0.25, test=0.25),
     holdouts=(
-        Holdout("test-gate", family="gate"),
-        Holdout("test-long", quantity="upper_arm", above=1.1),
+        Holdout("test-gate", family="gate"), Holdout("test-long", quantity="upper_arm", above=1.1),
     ),
-)
+)  # fmt: skip
 """Two families are for training, one is held out; what a hand grasps tells which it is."""
+
+
+SPACE = DatasetSpec(
+    "space", seed=7, count=12, planners=("straight", "layered"), map="none", shard_size=4,
+    families=tuple(map(FamilyShare, ("window-space", "late-target-space", "pendulum-space"))),
+)  # fmt: skip
+SLOW_BELTS = {"parts": [2, 3], "posts": [0, 1], "directed": 0.0, "pace": [0.05, 0.2]}
+CHAINS = DatasetSpec(
+    "chains", seed=7, count=8, planners=("straight", "search"), map="none", shard_size=4,
+    families=(
+        FamilyShare("conveyor-chain", 2.0, SLOW_BELTS), FamilyShare("falling-chain"),
+        FamilyShare("other-arm-chain"),
+    ),
+    holdouts=(Holdout("test-others", family="other-arm-chain"),),
+)  # fmt: skip
 
 
 @pytest.fixture
@@ -61,14 +59,6 @@ def make_here(spec: DatasetSpec, folder: str) -> None:
     place.make()
     infos = {shard: make_shard(spec, shard, folder) for shard in range(spec.shards)}
     write_manifest(place, manifest_of(place, spec, infos, []))
-
-
-@pytest.fixture(scope="session")
-def small_folder(tmp_path_factory) -> str:
-    """Return the folder of a dataset that no test changes."""
-    folder = str(tmp_path_factory.mktemp("small"))
-    make_here(replace(SMALL, audit=0.1), folder)
-    return folder
 
 
 @pytest.fixture
