@@ -10,10 +10,9 @@ import copy
 import json
 from pathlib import Path
 
-import pytest
-
 from gcm_learn.errors import FileFormatError
 from gcm_learn.situation import read_situations
+from tests import refusals
 
 FOLDER = Path(__file__).parent
 SCENES = json.loads((FOLDER / "scenes.json").read_text("utf-8"))
@@ -40,8 +39,4 @@ def changed(scene, path, value=GONE):
 
 def refusal(path):
     """Return the one line with which a file is refused."""
-    with pytest.raises(FileFormatError) as caught:
-        read_situations(path)
-    message = str(caught.value)
-    assert len(message.splitlines()) == 1
-    return message
+    return refusals.refusal(FileFormatError, read_situations, path)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from copy import deepcopy
+import re
 from dataclasses import replace
 
 import pytest
@@ -13,6 +13,7 @@ from gcm_learn.errors import FileFormatError, SituationError
 from gcm_learn.execution import shipped_bodies
 from gcm_learn.families import paper_scene
 from gcm_learn.situation import arm_body_from_json, arm_body_to_json, read_arm_body, shipped_arm
+from tests.situation.scenes import changed
 
 GOOD = json.loads(shipped_bodies()["nao"].read_text("utf-8"))
 LINK = {"mass": 1.0, "centre": [0.2, 0.0, 0.0]}
@@ -42,66 +43,65 @@ def test_a_written_body_is_read_again(good):
     assert written["format"] == good["format"]
 
 
-def spoilt(*path, value, good=GOOD):
+def spoilt(good, *path, value):
     """A good body with one value replaced, or removed where that is None."""
-    made = place = deepcopy(good)
-    for key in path[:-1]:
-        place = place[key]
-    if value is None:
-        del place[path[-1]]
-    else:
-        place[path[-1]] = value
-    return made
+    return changed(good, path, *([] if value is None else [value]))
+
+
+REFUSED = [
+    (GOOD, "format", "gcm-learn/body@9"),
+    (GOOD, "metres", 0.0),
+    (GOOD, "gravity", [0.0, 0.0]),
+    (GOOD, "bones", GOOD["bones"][:1]),
+    (GOOD, "joints", {}),
+    (GOOD, "bones[1].mass", -1.0),
+    (GOOD, "bones[0].inertia", [1.0, 1.0, 3.0]),
+    (GOOD, "joints[2].torque", 0),
+    (GOOD, "joints[3].torque", None),
+    (GOOD, "joints[0].damping", float("nan")),
+    (GOOD, "joints[0].gear", 3.0),
+    (GOOD, "weight", 3.0),
+    (CHAIN, "frames", CHAIN["frames"][:2]),
+    (CHAIN, "frames", None),
+    (CHAIN, "bones", []),
+    (CHAIN, "joints", []),
+    (CHAIN, "metres", -1.0),
+    (CHAIN, "gravity[2]", "down"),
+    (CHAIN, "frames[1].mass", -1.0),
+    (CHAIN, "frames[1].mass", None),
+    (CHAIN, "frames[1].centre", [0.0]),
+    (CHAIN, "frames[1].inertia", [[1] * 3]),
+    (CHAIN, "frames[1].inertia[0][2]", 0.1),
+    (CHAIN, "frames[1].inertia[1][1]", 1e999),
+    (CHAIN, "frames[1].rotor", 1.0),
+    (CHAIN, "joints[0].torque", -1.0),
+    (CHAIN, "joints[1].torque", None),
+    (CHAIN, "joints[0].damping", []),
+]
+ELSEWHERE = [
+    (GOOD, "format", "gcm-learn/body@2", "bones"),
+    (CHAIN, "frames[2]", CHAIN["frames"][0], "frames[2].mass"),
+    (CHAIN, "frames[1].inertia", [1, 1, 1], "frames[1].inertia[0]"),
+    (CHAIN, "frames[1].inertia[0][0]", 1.0, "frames[1].inertia"),
+    (CHAIN, "frames[1].inertia[0][0]", -1.0, "frames[1].inertia"),
+]
+"""Changes that make another field than the changed one wrong, and its name."""
 
 
 @pytest.mark.parametrize(
-    ("made", "field"),
-    [
-        (spoilt("format", value="gcm-learn/body@9"), "format"),
-        (spoilt("format", value="gcm-learn/body@2"), "bones"),
-        (spoilt("frames", value=CHAIN["frames"][:2], good=CHAIN), "frames"),
-        (spoilt("frames", value=None, good=CHAIN), "frames"),
-        (spoilt("bones", value=[], good=CHAIN), "bones"),
-        (spoilt("joints", value=[], good=CHAIN), "joints"),
-        (spoilt("metres", value=-1.0, good=CHAIN), "metres"),
-        (spoilt("gravity", 2, value="down", good=CHAIN), "gravity[2]"),
-        (spoilt("frames", 1, "mass", value=-1.0, good=CHAIN), "frames[1].mass"),
-        (spoilt("frames", 1, "mass", value=None, good=CHAIN), "frames[1].mass"),
-        (spoilt("frames", 2, value=CHAIN["frames"][0], good=CHAIN), "frames[2].mass"),
-        (spoilt("frames", 1, "centre", value=[0.0], good=CHAIN), "frames[1].centre"),
-        (spoilt("frames", 1, "inertia", value=[1, 1, 1], good=CHAIN), "frames[1].inertia[0]"),
-        (spoilt("frames", 1, "inertia", value=[[1] * 3], good=CHAIN), "frames[1].inertia"),
-        (spoilt("frames", 1, "inertia", 0, 0, value=1.0, good=CHAIN), "frames[1].inertia"),
-        (spoilt("frames", 1, "inertia", 0, 0, value=-1.0, good=CHAIN), "frames[1].inertia"),
-        (spoilt("frames", 1, "inertia", 0, 2, value=0.1, good=CHAIN), "frames[1].inertia[0][2]"),
-        (spoilt("frames", 1, "inertia", 1, 1, value=1e999, good=CHAIN), "frames[1].inertia[1][1]"),
-        (spoilt("frames", 1, "rotor", value=1.0, good=CHAIN), "frames[1].rotor"),
-        (spoilt("joints", 0, "torque", value=-1.0, good=CHAIN), "joints[0].torque"),
-        (spoilt("joints", 1, "torque", value=None, good=CHAIN), "joints[1].torque"),
-        (spoilt("joints", 0, "damping", value=[], good=CHAIN), "joints[0].damping"),
-        (spoilt("metres", value=0.0), "metres"),
-        (spoilt("gravity", value=[0.0, 0.0]), "gravity"),
-        (spoilt("bones", value=GOOD["bones"][:1]), "bones"),
-        (spoilt("joints", value={}), "joints"),
-        (spoilt("bones", 1, "mass", value=-1.0), "bones[1].mass"),
-        (spoilt("bones", 0, "inertia", value=[1.0, 1.0, 3.0]), "bones[0].inertia"),
-        (spoilt("joints", 2, "torque", value=0), "joints[2].torque"),
-        (spoilt("joints", 3, "torque", value=None), "joints[3].torque"),
-        (spoilt("joints", 0, "damping", value=float("nan")), "joints[0].damping"),
-        (spoilt("joints", 0, "gear", value=3.0), "joints[0].gear"),
-        (spoilt("weight", value=3.0), "weight"),
-    ],
+    ("good", "path", "value", "field"), [*((*case, case[1]) for case in REFUSED), *ELSEWHERE]
 )
-def test_what_makes_no_sense_is_refused_by_name(made, field):
+def test_what_makes_no_sense_is_refused_by_name(good, path, value, field):
+    steps = [int(step) if step.isdigit() else step for step in re.findall(r"\w+", path)]
     with pytest.raises(SituationError) as told:
-        arm_body_from_json(made)
+        arm_body_from_json(spoilt(good, *steps, value=value))
     assert told.value.field == field
     assert "\n" not in str(told.value)
 
 
 def test_a_file_is_named_with_the_line(tmp_path):
     file = tmp_path / "body.json"
-    file.write_text(json.dumps(spoilt("joints", 1, "torque", value=-2.0), indent=1))
+    file.write_text(json.dumps(spoilt(GOOD, "joints", 1, "torque", value=-2.0), indent=1))
     with pytest.raises(FileFormatError, match=r"body\.json:\d+: joints\[1\]\.torque: must not be"):
         read_arm_body(file)
     with pytest.raises(FileFormatError, match=r"missing\.json: cannot be read"):

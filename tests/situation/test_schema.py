@@ -8,49 +8,22 @@ import jsonschema
 import pytest
 from hypothesis import given, settings
 
+from gcm_learn import situation as records
 from gcm_learn.errors import SituationError
-from gcm_learn.situation import (
-    arm_from_json,
-    arm_names,
-    arm_to_json,
-    schemas,
-    shipped_arm,
-    situation_from_json,
-    situation_to_json,
-)
 from tests import strategies
 from tests.situation.scenes import REFUSED, SCENES, changed
 
-VALIDATORS = {name: jsonschema.Draft202012Validator(schema) for name, schema in schemas().items()}
-BEYOND = (
-    "reach",
-    "clockwise",
-    "cross",
-    "must be orthogonal",
-    "have length",
-    "already the name",
-    "required where a file holds several",
-    "outside its range",
-    "away from",
-    "come after",
-    "must be 0 ",
-    "too soon",
-    "half a turn",
-    "move the hand",
-    "is missing, but",
-    "is above",
-    "is no link",
-    "from 0 to 2",
-    "with itself",
-    "not the name of",
-    "are given without",
-    "is too fast",
-    "one entry for each",
-    "cannot be read",
-    "not known",
-    "must be a list of 2 numbers (got 1)",
-    "finite",
-)
+VALIDATORS = {
+    name: jsonschema.Draft202012Validator(schema) for name, schema in records.schemas().items()
+}
+BEYOND = [
+    "reach", "clockwise", "cross", "must be orthogonal", "have length", "already the name",
+    "required where a file holds several", "outside its range", "away from", "come after",
+    "must be 0 ", "too soon", "half a turn", "move the hand", "is missing, but", "is above",
+    "is no link", "from 0 to 2", "with itself", "not the name of", "are given without",
+    "is too fast", "one entry for each", "cannot be read", "not known",
+    "must be a list of 2 numbers (got 1)", "finite",
+]  # fmt: skip
 """Reasons of refusals that no schema can tell."""
 
 
@@ -60,26 +33,23 @@ def valid(obj):
 
 
 def test_schemas_are_schemas():
-    assert list(VALIDATORS) == [
-        "gcm-learn/situation@1",
-        "gcm-learn/situation@2",
-        "gcm-learn/situation@3",
-        "gcm-learn/arm@1",
-        "gcm-learn/arm@2",
-    ]
-    for schema in schemas().values():
+    named = [*(f"situation@{version}" for version in (1, 2, 3)), "arm@1", "arm@2"]
+    assert list(VALIDATORS) == [f"gcm-learn/{name}" for name in named]
+    for schema in records.schemas().values():
         jsonschema.Draft202012Validator.check_schema(schema)
 
 
 @settings(max_examples=200)
 @given(strategies.any_situations())
 def test_written_situations_are_valid(situation):
-    VALIDATORS[situation.format].validate(json.loads(json.dumps(situation_to_json(situation))))
+    VALIDATORS[situation.format].validate(
+        json.loads(json.dumps(records.situation_to_json(situation)))
+    )
 
 
-@pytest.mark.parametrize("name", arm_names())
+@pytest.mark.parametrize("name", records.arm_names())
 def test_shipped_arms_are_valid(name):
-    VALIDATORS["gcm-learn/arm@1"].validate(arm_to_json(shipped_arm(name)))
+    VALIDATORS["gcm-learn/arm@1"].validate(records.arm_to_json(records.shipped_arm(name)))
 
 
 TELLABLE = [
@@ -106,4 +76,4 @@ def test_bad_documents_are_refused_by_both(name, path, value):
     assert valid(scene)
     assert not valid(bad)
     with pytest.raises(SituationError):
-        (arm_from_json if name == "model" else situation_from_json)(bad)
+        (records.arm_from_json if name == "model" else records.situation_from_json)(bad)

@@ -32,13 +32,10 @@ def moved(situation, matrix, shift):
         signs = np.array([1.0, -1.0, -1.0, -1.0])
         ranges = [arm.joint_range[0], *((-high, -low) for low, high in arm.joint_range[1:])]
         arm = replace(
-            arm,
-            upper_arm=tuple(MIRROR @ arm.upper_arm),
-            forearm=tuple(MIRROR @ arm.forearm),
-            joint_range=tuple(ranges),
-            joints=tuple(signs * arm.joints),
+            arm, upper_arm=tuple(MIRROR @ arm.upper_arm), forearm=tuple(MIRROR @ arm.forearm),
+            joint_range=tuple(ranges), joints=tuple(signs * arm.joints),
             joint_rates=None if arm.joint_rates is None else tuple(signs * arm.joint_rates),
-        )
+        )  # fmt: skip
     origin = tuple((matrix @ arm.base.origin + shift).tolist())
     arm = replace(arm, base=Base(origin, quaternion_of(base)))
     bodies = tuple(
@@ -135,13 +132,9 @@ def test_an_arm_without_a_side_gets_one_from_what_happens(place):
     ranges = ((-2, 2), (-1, 1), (-2, 2), (-1, 1))
     joints = (0.3, -0.2 if place == "joints" else 0, 0, 0)
     arm = replace(
-        situation.arm,
-        upper_arm=(0.1, 0, 0),
-        forearm=(0.1, 0, 0.01),
-        joint_range=ranges,
-        joints=joints,
-        base=Base(),
-    )
+        situation.arm, upper_arm=(0.1, 0, 0), forearm=(0.1, 0, 0.01), joint_range=ranges,
+        joints=joints, base=Base(),
+    )  # fmt: skip
     there = replace(situation, arm=arm)
     motion = replace(there.bodies[0].motion, position=(0.2, -0.1, 0.4))
     there = replace(there, bodies=(replace(there.bodies[0], motion=motion), *there.bodies[1:]))
