@@ -21,6 +21,7 @@ from gcm_learn.situation import (
     Capsule,
     Cylinder,
     Disc,
+    PlanarQuadratic,
     Plane,
     Polygon,
     Situation,
@@ -29,7 +30,7 @@ from gcm_learn.situation import (
 )
 from tests import strategies
 from tests.planar_geometry import point_distances, segment_distances
-from tests.transforms import quaternion_of
+from tests.worlds import flight
 
 FLAT = Plane((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
 STILL2, STILL3 = (0.0, 0.0), (0.0, 0.0, 0.0)
@@ -41,7 +42,7 @@ PLANAR = [Disc(0.3), BENT]
 def scene(shape, motion=None, role="obstacle"):
     """Return a situation whose body 1 has the shape, at rest in the origin by default."""
     if isinstance(shape, Disc | Polygon):
-        rest, plane, ball = strategies.PlanarQuadratic(STILL2, STILL2, STILL2), None, Disc(0.1)
+        rest, plane, ball = PlanarQuadratic(STILL2, STILL2, STILL2), None, Disc(0.1)
     else:
         rest, plane, ball = SolidQuadratic(STILL3, STILL3, STILL3), FLAT, Sphere(0.1)
     bodies = (Body("target", "ball", ball, rest), Body(role, "body", shape, motion or rest))
@@ -114,22 +115,20 @@ def test_a_segment_that_pierces_or_lies_inside_has_distance_zero(shape):
     assert kernel_distance(shape, pose, (-1.0, depth - 0.5), (1.0, depth - 0.5)) > 0.2
 
 
-@pytest.mark.parametrize(
-    ("shape", "pose", "expected"),
-    [
-        (Sphere(0.3), ((1.0, 0.5, 0.4), np.eye(3)), math.hypot(0.5, 0.4) - 0.3),
-        (Box((0.1, 0.2, 0.3)), ((1.0, 0.5, 0.7), np.eye(3)), math.hypot(0.3, 0.4)),
-        (Box((0.1, 0.2, 0.3)), ((2.5, 0.0, 0.0), np.eye(3)), 0.4),
-        (Capsule(0.1, 0.3), ((1.0, 0.5, 0.7), np.eye(3)), math.hypot(0.5, 0.4) - 0.1),
-        (Cylinder(0.1, 0.3), ((1.0, 0.5, 0.7), np.eye(3)), math.hypot(0.4, 0.4)),
-        (Disc(0.3), ((1.0, 0.5, 0.0), np.eye(3)), 0.2),
-        (BENT, ((1.0, 0.5, 0.0), np.eye(3)), 0.2),
-    ],
-    ids=lambda v: getattr(v, "kind", ""),
-)
-def test_distance_to_the_x_axis_by_hand(shape, pose, expected):
-    pose = np.array(pose[0]), pose[1]
-    found = kernel_distance(shape, pose, (0.0, 0.0), (2.0, 0.0))
+BY_HAND = [
+    (Sphere(0.3), (1.0, 0.5, 0.4), math.hypot(0.5, 0.4) - 0.3),
+    (Box((0.1, 0.2, 0.3)), (1.0, 0.5, 0.7), math.hypot(0.3, 0.4)),
+    (Box((0.1, 0.2, 0.3)), (2.5, 0.0, 0.0), 0.4),
+    (Capsule(0.1, 0.3), (1.0, 0.5, 0.7), math.hypot(0.5, 0.4) - 0.1),
+    (Cylinder(0.1, 0.3), (1.0, 0.5, 0.7), math.hypot(0.4, 0.4)),
+    (Disc(0.3), (1.0, 0.5, 0.0), 0.2),
+    (BENT, (1.0, 0.5, 0.0), 0.2),
+]
+
+
+@pytest.mark.parametrize(("shape", "place", "expected"), BY_HAND)
+def test_distance_to_the_x_axis_by_hand(shape, place, expected):
+    found = kernel_distance(shape, (np.array(place), np.eye(3)), (0.0, 0.0), (2.0, 0.0))
     assert found == pytest.approx(expected, abs=1e-9)
 
 
@@ -147,7 +146,7 @@ def test_a_segment_of_no_length_is_a_point(shape, rng):
 @pytest.mark.parametrize("shape", SOLIDS + PLANAR, ids=lambda s: s.kind)
 def test_an_obstacle_meets_the_limb_and_a_target_the_hand(shape):
     hand, elbow = (1.0, 0.9), (1.0, -0.1)
-    motion = strategies.PlanarQuadratic((0.5, 1.0), STILL2, STILL2)
+    motion = PlanarQuadratic((0.5, 1.0), STILL2, STILL2)
     if not isinstance(shape, Disc | Polygon):
         motion = SolidQuadratic((0.5, 1.0, 0.1), STILL3, STILL3)
     rows = np.zeros((2, 12))
@@ -207,14 +206,10 @@ def test_drift_and_top_speed_bound_every_point_of_a_body(situation, start, stop)
 
 def test_drift_is_not_wasteful():
     """A bound that is always huge would bound as well: here it has to be sharp."""
-    motion = SolidQuadratic((0.0, 0.0, 0.0), (3.0, 0.0, 0.0), STILL3)
-    bodies = pack_bodies(scene(Sphere(0.1), motion))
+    bodies = pack_bodies(scene(Sphere(0.1), flight(STILL3, (3.0, 0.0, 0.0))))
     assert k.drift(bodies, 1, 0.2, 0.6) == pytest.approx(1.2)
     assert bodies.rows[1, k.TOP_SPEED] == pytest.approx(3.0)
-    falling = SolidQuadratic(STILL3, STILL3, (0.0, 0.0, -10.0))
-    bodies = pack_bodies(scene(Sphere(0.1), falling))
+    bodies = pack_bodies(scene(Sphere(0.1), flight(STILL3, STILL3, (0.0, 0.0, -10.0))))
     assert k.drift(bodies, 1, 0.0, 0.1) == pytest.approx(0.1 * 1.0)
-    turn = tuple(quaternion_of(np.eye(3)))
-    spinning = SolidQuadratic(STILL3, STILL3, STILL3, turn, (0.0, 0.0, 4.0))
-    bodies = pack_bodies(scene(Box((0.3, 0.4, 1.2)), spinning))
+    bodies = pack_bodies(scene(Box((0.3, 0.4, 1.2)), flight(STILL3, spin=(0.0, 0.0, 4.0))))
     assert bodies.rows[1, k.TOP_SPEED] == pytest.approx(4.0 * 1.3)

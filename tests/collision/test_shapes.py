@@ -28,13 +28,10 @@ from tests.planar_geometry import depths, segment_distances
 
 BENT = Polygon(((-0.3, -0.3), (0.3, -0.3), (0.3, 0.3), (0.2, -0.1), (-0.2, -0.1), (-0.3, 0.3)))
 EXAMPLES = {
-    Disc: (Disc(0.3), ball),
-    Polygon: (BENT, polygon),
-    Sphere: (Sphere(0.3), ball),
-    Box: (Box((0.1, 0.2, 0.3)), box),
-    Capsule: (Capsule(0.1, 0.3), capsule),
+    Disc: (Disc(0.3), ball), Polygon: (BENT, polygon), Sphere: (Sphere(0.3), ball),
+    Box: (Box((0.1, 0.2, 0.3)), box), Capsule: (Capsule(0.1, 0.3), capsule),
     Cylinder: (Cylinder(0.25, 0.15), cylinder),
-}
+}  # fmt: skip
 """A shape of each class, and the file of its kernels."""
 of_all = pytest.mark.parametrize("shape", [s for s, _ in EXAMPLES.values()], ids=lambda s: s.kind)
 of_solids = pytest.mark.parametrize("shape", [EXAMPLES[s][0] for s in SOLID], ids=lambda s: s.kind)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -26,16 +27,18 @@ from gcm_learn.situation import (
     PlanarQuadratic,
     Plane,
     Polygon,
-    Situation,
-    SolidQuadratic,
     Sphere,
 )
 from tests import strategies
 from tests.planar_geometry import by_hand, elbow_of, limb_distances, nearest
+from tests.worlds import among, disc, flight, solid_ball
 
 FLAT = Plane((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
 STRETCHED = Arm((2.0, 0.0), 3.0)
-BALL = Body("target", "ball", Disc(0.1), PlanarQuadratic((9.0, 9.0), (0.0, 0.0), (0.0, 0.0)))
+BALL = disc("ball", (9.0, 9.0), role="target", radius=0.1)
+
+
+AWAY = solid_ball("away", (9.0, 9.0, 9.0), role="target", radius=0.1)
 
 
 def random_path(rng, arm, horizon, samples):
@@ -88,27 +91,20 @@ def test_it_is_exact_for_every_kind_of_solid(seed):
     path = random_path(rng, arm, 1.0, 8)
     for shape in (Sphere(0.2), Box((0.1, 0.2, 0.15)), Capsule(0.1, 0.2), Cylinder(0.15, 0.1)):
         height = shape.bounding_radius + rng.uniform(0.05, 0.3)
-        motion = SolidQuadratic(
-            (*rng.uniform(-1.0, 1.0, 2), height * rng.choice([-1.0, 1.0])),
-            (*rng.uniform(-1.0, 1.0, 2), 0.0),
-            (0.0, 0.0, 0.0),
-            spin=tuple(rng.uniform(-5.0, 5.0, 3)),
-        )
-        away = SolidQuadratic((9.0, 9.0, 9.0), (0.0,) * 3, (0.0,) * 3)
-        bodies = (Body("target", "ball", Sphere(0.1), away), Body("obstacle", "o", shape, motion))
-        situation = Situation("solid", 1.0, arm, bodies, FLAT)
+        place = (*rng.uniform(-1.0, 1.0, 2), height * rng.choice([-1.0, 1.0]))
+        velocity, spin = (*rng.uniform(-1.0, 1.0, 2), 0.0), tuple(rng.uniform(-5.0, 5.0, 3))
+        obstacle = Body("obstacle", "o", shape, flight(place, velocity, spin=spin))
+        situation = among(arm, AWAY, obstacle, plane=FLAT)
         found, _ = clearance(situation, path)
         expected = brute(situation, path)
-        assert 0.0 < expected
+        assert expected > 0.0
         assert expected - 1e-6 <= found <= expected + RESOLUTION + 1e-6
 
 
-def scene(*obstacles, arm=None):
+def scene(*obstacles, arm=STRETCHED):
     """Return a planar situation with these obstacles: pairs of shape and motion."""
-    bodies = [
-        Body("obstacle", str(k), shape, motion) for k, (shape, motion) in enumerate(obstacles)
-    ]
-    return Situation("scene", 10.0, arm or STRETCHED, (BALL, *bodies))
+    bodies = [Body("obstacle", str(k), *given) for k, given in enumerate(obstacles)]
+    return among(arm, BALL, *bodies, horizon=10.0)
 
 
 def resting(duration=1.0, hand=(2.0, 0.0), samples=2):
@@ -148,22 +144,18 @@ def test_a_limb_that_stays_equally_far_is_not_looked_at_for_ever():
 
 
 def test_without_obstacles_it_is_infinite():
-    assert clearance(scene(), resting())[0] == math.inf
-
-
-def test_targets_are_no_obstacles():
-    target = Body("target", "t", Disc(0.3), still(1.0, 0.0))
-    assert clearance(Situation("s", 1.0, Arm((2.0, 0.0), 3.0), (target,)), resting())[0] == math.inf
+    target = disc("t", (1.0, 0.0), role="target", radius=0.3)
+    for situation in (scene(), among(STRETCHED, target)):
+        assert clearance(situation, resting())[0] == math.inf
 
 
 def test_at_rest_it_is_the_distance():
     square = Polygon(((-0.1, -0.1), (0.1, -0.1), (0.1, 0.1), (-0.1, 0.1)))
-    assert clearance(scene((Disc(0.2), still(0.7, 0.9))), resting())[0] == pytest.approx(0.7)
+    beside = scene((Disc(0.2), still(0.7, 0.9)))
+    assert clearance(beside, resting())[0] == pytest.approx(0.7)
     assert clearance(scene((square, still(1.5, -0.6))), resting())[0] == pytest.approx(0.5)
-    thick = Arm((2.0, 0.0), 3.0, thickness=0.15)
-    assert clearance(scene((Disc(0.2), still(0.7, 0.9)), arm=thick), resting())[0] == pytest.approx(
-        0.55
-    )
+    thick = replace(beside, arm=replace(STRETCHED, thickness=0.15))
+    assert clearance(thick, resting())[0] == pytest.approx(0.55)
 
 
 def test_a_single_sample_is_judged_where_it_is():
@@ -247,13 +239,9 @@ def test_a_solid_bullet_through_the_plane_is_never_missed(seed):
     hand, elbow = (part[0] for part in by_hand(arm, path, np.array([moment])))
     met = np.array([*(elbow + rng.random() * (hand - elbow)), 0.0])
     velocity = rng.normal(size=3) * 60.0
-    motion = SolidQuadratic(
-        tuple(met - moment * velocity), tuple(velocity), (0.0,) * 3, spin=tuple(rng.normal(size=3))
-    )
-    away = SolidQuadratic((9.0, 9.0, 9.0), (0.0,) * 3, (0.0,) * 3)
+    motion = flight(met - moment * velocity, velocity, spin=tuple(rng.normal(size=3)))
     bullet = Body("obstacle", "bullet", random_shape(rng, (1e-3, 1e-2)), motion)
-    bodies = (Body("target", "ball", Sphere(0.1), away), bullet)
-    assert clearance(Situation("s", 1.0, arm, bodies, FLAT), path)[0] <= 0.0
+    assert clearance(among(arm, AWAY, bullet, plane=FLAT), path)[0] <= 0.0
 
 
 @pytest.mark.parametrize(("speed", "moment"), [(3.0, 1e-3), (10.0, 3e-4), (30.0, 1e-3)])

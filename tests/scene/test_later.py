@@ -13,49 +13,42 @@ from gcm_learn.scene.later import later
 from gcm_learn.scene.packing import pose
 from gcm_learn.situation import situation_from_json
 from tests import strategies
+from tests.refusals import refusal
 from tests.situation.scenes import MOVING, NAO, PLANAR
+
+
+def assert_goes_on(now, t, then, shares, atol):
+    """Bodies are where they would have been, at shares of the later horizon."""
+    assert then.horizon == pytest.approx(now.horizon - t)
+    for k, body in enumerate(now.bodies):
+        for share in shares:
+            there, turn = pose(then, k, share * then.horizon)
+            wanted, wanted_turn = pose(now, k, min(t + share * then.horizon, now.horizon))
+            np.testing.assert_allclose(there, wanted, atol=0.1 * atol)
+            if body.shape.kind not in ("disc", "sphere"):
+                np.testing.assert_allclose(turn, wanted_turn, atol=atol)
 
 
 @pytest.mark.parametrize("name", ["random-planar", "spinning", "spinning-solid", "pendulum"])
 def test_bodies_are_where_they_would_have_been(name):
     for index in range(4):
         now = families.draw(name, 8, index)
-        t = 0.3 * now.horizon
-        then = later(now, t, (0.5, 1.0))
+        then = later(now, 0.3 * now.horizon, (0.5, 1.0))
         assert then.arm.hand == (0.5, 1.0)
-        assert then.horizon == pytest.approx(0.7 * now.horizon)
-        for k, body in enumerate(now.bodies):
-            for s in (0.0, 0.2, then.horizon):
-                there, turn = pose(then, k, s)
-                wanted, wanted_turn = pose(now, k, min(t + s, now.horizon))
-                np.testing.assert_allclose(there, wanted, atol=1e-9)
-                if body.shape.kind not in ("disc", "sphere"):
-                    np.testing.assert_allclose(turn, wanted_turn, atol=1e-8)
-
-
-def test_nothing_changes_in_no_time():
-    now = families.draw("gate", 8, 0)
-    assert later(now, 0.0) == now
+        assert_goes_on(now, 0.3 * now.horizon, then, (0.0, 0.3, 1.0), 1e-8)
 
 
 @given(strategies.spatial_situations(), st.floats(0.0, 0.9))
 def test_bodies_around_a_spatial_arm_go_on(now, share):
-    t = share * now.horizon
     low, high = np.array(now.arm.joint_range).T
-    then = later(now, t, joints=tuple(np.clip(0.5 * (low + high), low, high)))
-    assert then.horizon == pytest.approx(now.horizon - t)
-    for k, body in enumerate(now.bodies):
-        for s in (0.0, then.horizon):
-            there, turn = pose(then, k, s)
-            wanted, wanted_turn = pose(now, k, min(t + s, now.horizon))
-            np.testing.assert_allclose(there, wanted, atol=1e-7)
-            if body.shape.kind != "sphere":
-                np.testing.assert_allclose(turn, wanted_turn, atol=1e-6)
+    t, joints = share * now.horizon, tuple(np.clip(0.5 * (low + high), low, high))
+    assert_goes_on(now, t, later(now, t, joints=joints), (0.0, 1.0), 1e-6)
 
 
 def test_a_spatial_arm_stands_and_moves_as_it_is_told():
     resting, moving = situation_from_json(NAO), situation_from_json(MOVING)
-    assert later(resting, 0.0) == resting and later(moving, 0.0) == moving
+    for now in (resting, moving, families.draw("gate", 8, 0)):
+        assert later(now, 0.0) == now
     assert later(resting, 0.2).arm == resting.arm
     there = (1.0, 0.0, -1.0, -0.5)
     assert later(resting, 0.2, joints=there).arm.joints == there
@@ -66,14 +59,13 @@ def test_a_spatial_arm_stands_and_moves_as_it_is_told():
 
 
 def test_what_cannot_be_so_is_refused():
-    resting, moving = situation_from_json(NAO), situation_from_json(MOVING)
-    with pytest.raises(SituationError, match="joints: are needed of an arm that moves"):
-        later(moving, 0.2)
-    with pytest.raises(SituationError, match="joint_rates: are given without"):
-        later(resting, 0.2, joints=resting.arm.joints, rates=(0, 0, 0, 0))
-    with pytest.raises(SituationError, match="outside its range"):
-        later(resting, 0.2, joints=(0, 0, 0, 0))
-    with pytest.raises(ArmKindError, match="hand: is of planar arms"):
-        later(resting, 0.2, (0.1, 0.1))
-    with pytest.raises(ArmKindError, match="joints, rates: are of spatial arms"):
-        later(situation_from_json(PLANAR), 0.2, joints=(0, 0, 0, 0))
+    resting, moving, planar = (situation_from_json(scene) for scene in (NAO, MOVING, PLANAR))
+    joints, zeros = resting.arm.joints, (0, 0, 0, 0)
+    for error, situation, change, words in (
+        (SituationError, moving, {}, "joints: are needed of an arm that moves"),
+        (SituationError, resting, {"joints": joints, "rates": zeros}, "are given without"),
+        (SituationError, resting, {"joints": zeros}, "outside its range"),
+        (ArmKindError, resting, {"hand": (0.1, 0.1)}, "hand: is of planar arms"),
+        (ArmKindError, planar, {"joints": zeros}, "joints, rates: are of spatial arms"),
+    ):
+        assert words in refusal(error, later, situation, 0.2, **change)

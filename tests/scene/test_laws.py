@@ -2,57 +2,41 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from gcm_learn import situation as records
 from gcm_learn.arms import SpatialArm, rotation_of
 from gcm_learn.scene import bodies as k
 from gcm_learn.scene import later, pack_bodies
 from gcm_learn.scene.packing import pose
-from gcm_learn.situation import (
-    Body,
-    Box,
-    Pendulum,
-    Piece,
-    Piecewise,
-    Sampled,
-    Situation,
-    SolidQuadratic,
-    Sphere,
-    canonical,
-)
 from gcm_learn.situation.timed_motion import flown
 from tests import strategies
 
-ARM = SpatialArm(
-    upper_arm=(1.0, 0.0, 0.0),
-    forearm=(1.0, 0.0, 0.0),
-    joints=(0.0,) * 4,
-    joint_range=((-1.0, 1.0),) * 4,
-    max_joint_speed=(1.0,) * 4,
-    grasp=0.1,
-)
-BOX = Box((0.3, 0.2, 0.1))
+ARM = SpatialArm((1, 0, 0), (1, 0, 0), (0,) * 4, ((-1, 1),) * 4, (1,) * 4, grasp=0.1)
+BOX = records.Box((0.3, 0.2, 0.1))
 LAWS = {
-    SolidQuadratic: strategies.solid_quadratics,
-    Pendulum: strategies.pendulums(),
-    Piecewise: strategies.piecewise(),
-    Sampled: strategies.sampled(),
+    records.SolidQuadratic: strategies.solid_quadratics,
+    records.Pendulum: strategies.pendulums(),
+    records.Piecewise: strategies.piecewise(),
+    records.Sampled: strategies.sampled(),
 }
 CORNERS = np.array(np.meshgrid(*[(-1.0, 1.0)] * 3)).reshape(3, -1).T * BOX.half_extents
 still = pytest.mark.parametrize("law", [pytest.param(LAWS[law], id=law.kind) for law in LAWS])
-TIMED = [pytest.param(LAWS[law], id=law.kind) for law in (Piecewise, Sampled)]
 
 
 def scene(*motions, shape=BOX, horizon=3.0, arm=ARM):
     """Return a situation of version 3 whose first body is the target."""
     bodies = tuple(
-        Body("obstacle" if b else "target", str(b), shape, motion)
+        records.Body("obstacle" if b else "target", str(b), shape, motion)
         for b, motion in enumerate(motions)
     )
-    return Situation("scene", horizon, arm, bodies, format="gcm-learn/situation@3")
+    return records.Situation("scene", horizon, arm, bodies, format="gcm-learn/situation@3")
 
 
 def corners_at(bodies, b, t):
@@ -75,25 +59,24 @@ def test_a_piece_holds_from_its_start_to_the_next(motion, t):
 @given(strategies.sampled(), st.floats(0.0, 1.0))
 def test_samples_are_met_and_joined_by_straight_lines(motion, share):
     situation = scene(motion)
-    for i, (time, position, turn) in enumerate(
-        zip(motion.times, motion.positions, motion.turns, strict=True)
-    ):
+    times, places = motion.times, np.array(motion.positions)
+    for i, time in enumerate((*times, times[-1] + 5.0)):
+        k = min(i, len(times) - 1)  # after the last sample the body rests
         centre, rotation = pose(situation, 0, time)
-        np.testing.assert_allclose(centre, position, atol=1e-12)
-        np.testing.assert_allclose(rotation, rotation_of(turn), atol=1e-9)
-        if i:
-            t = motion.times[i - 1] + share * (time - motion.times[i - 1])
-            along = (t - motion.times[i - 1]) / (time - motion.times[i - 1])
-            line = np.array(motion.positions[i - 1]) * (1.0 - along) + np.array(position) * along
-            np.testing.assert_allclose(pose(situation, 0, t)[0], line, atol=1e-12)
-    resting = pose(situation, 0, motion.times[-1] + 5.0)
-    np.testing.assert_allclose(resting[0], motion.positions[-1], atol=1e-12)
-    np.testing.assert_allclose(resting[1], rotation_of(motion.turns[-1]), atol=1e-9)
+        np.testing.assert_allclose(centre, places[k], atol=1e-12)
+        np.testing.assert_allclose(rotation, rotation_of(motion.turns[k]), atol=1e-9)
+    for i, (before, after) in enumerate(pairwise(times)):
+        t = before + share * (after - before)
+        along = (t - before) / (after - before)
+        line = places[i] * (1.0 - along) + places[i + 1] * along
+        np.testing.assert_allclose(pose(situation, 0, t)[0], line, atol=1e-12)
 
 
 def test_a_sampled_body_turns_the_short_way():
     half = np.sqrt(0.5)
-    motion = Sampled((0.0, 1.0), ((0.0,) * 3,) * 2, ((1.0, 0.0, 0.0, 0.0), (-half, 0, 0, -half)))
+    motion = records.Sampled(
+        (0.0, 1.0), ((0.0,) * 3,) * 2, ((1.0, 0.0, 0.0, 0.0), (-half, 0, 0, -half))
+    )
     rotation = pose(scene(motion), 0, 0.5)[1]
     c = np.cos(np.pi / 4.0)
     np.testing.assert_allclose(rotation, [[c, -c, 0], [c, c, 0], [0, 0, 1]], atol=1e-12)
@@ -114,8 +97,10 @@ def test_drift_bounds_the_way_of_every_point(law, data, start, span):
 
 def test_drift_counts_the_gap_between_pieces():
     still, off = (0.0,) * 3, (9e-7, 0.0, 0.0)
-    first = SolidQuadratic(still, still, still)
-    motion = Piecewise((Piece(0.0, first), Piece(1.0, SolidQuadratic(off, still, still))))
+    first = records.SolidQuadratic(still, still, still)
+    motion = records.Piecewise(
+        (records.Piece(0.0, first), records.Piece(1.0, records.SolidQuadratic(off, still, still)))
+    )
     bodies = pack_bodies(scene(motion))
     assert k.drift(bodies, 0, 0.5, 0.9) == 0.0
     assert k.drift(bodies, 0, 0.5, 1.0) == pytest.approx(9e-7)
@@ -137,21 +122,18 @@ def test_later_goes_on_as_it_would_have(law, data, t, ahead):
 @settings(max_examples=40)
 @given(data=st.data(), base=strategies.bases(), t=st.floats(0.0, 2.0))
 def test_the_canonical_form_moves_alike(law, data, base, t):
-    arm = SpatialArm((1.0, 0.2, 0.0), (1.0, -0.4, 0.0), *_rest(), base=base)
+    arm = replace(ARM, upper_arm=(1.0, 0.2, 0.0), forearm=(1.0, -0.4, 0.0), base=base)
     situation = scene(data.draw(law), arm=arm)
-    form, frame = canonical(situation)
-    there = pack_bodies(form)
+    form, frame = records.canonical(situation)
     world = corners_at(pack_bodies(situation), 0, t) * (1.0, -1.0 if frame.mirrored else 1.0, 1.0)
-    near = corners_at(there, 0, t)
+    near = corners_at(pack_bodies(form), 0, t)
     gaps = np.linalg.norm(world[:, None] - near[None], axis=-1)
     assert gaps.min(axis=1).max() < 1e-8
 
 
-def _rest():
-    return ARM.joints, ARM.joint_range, ARM.max_joint_speed, ARM.grasp
-
-
 def test_balls_are_not_turned():
-    spinning = SolidQuadratic((0.0,) * 3, (0.0,) * 3, (0.0,) * 3, spin=(0.0, 0.0, 9.0))
-    bodies = pack_bodies(scene(Piecewise((Piece(0.0, spinning),)), shape=Sphere(0.2)))
+    spinning = records.SolidQuadratic((0.0,) * 3, (0.0,) * 3, (0.0,) * 3, spin=(0.0, 0.0, 9.0))
+    bodies = pack_bodies(
+        scene(records.Piecewise((records.Piece(0.0, spinning),)), shape=records.Sphere(0.2))
+    )
     assert bodies.rows[0, k.TOP_SPEED] == 0.0 == k.drift(bodies, 0, 0.0, 1.0)
