@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from gcm_learn import families, read_situations, seeding
+from gcm_learn.execution import KinematicPlant
 from gcm_learn.execution.arena.pool import stops
 from gcm_learn.motion.rules import start_clearance
 from gcm_learn.scene.packing import pack
@@ -34,6 +36,16 @@ def rng():
     return seeding.rng(11)
 
 
+class Straight:
+    """An agent that follows the command that leads straight to the target."""
+
+    def __init__(self, settings):
+        self._part = slice(settings.straight, settings.straight + settings.commands)
+
+    def act(self, moment):
+        return moment.observations[:, self._part].astype(float)
+
+
 def limited(situation):
     """Return the situation with limits of acceleration, the arm moving a little at first."""
     arm = situation.arm
@@ -41,6 +53,13 @@ def limited(situation):
     rates = tuple((-0.2) ** (j + 1) * arm.max_joint_speed[j] for j in joints)
     most = tuple(arm.max_joint_speed[j] / RAMP for j in joints)
     return replace(situation, arm=replace(arm, max_joint_acceleration=most, joint_rates=rates))
+
+
+def begun(pool, settings, threads=1):
+    """Return a plant with one arm in each situation of a pool."""
+    plant = KinematicPlant(pool, len(pool), settings, threads=threads)
+    plant.put(np.arange(len(pool)), np.arange(len(pool)))
+    return plant
 
 
 def good(situation):

@@ -9,19 +9,13 @@ import pytest
 
 from gcm_learn.arms import forward_in_space, rotation_of
 from gcm_learn.collision.solids import bone_distance
-from gcm_learn.execution import (
-    AIM,
-    COMMANDS,
-    KinematicPlant,
-    Pool,
-    SpatialSettings,
-    commands_of,
-)
+from gcm_learn.execution import AIM, COMMANDS, Pool, SpatialSettings, commands_of
 from gcm_learn.execution.arena.kernels.joints import fan
 from gcm_learn.motion.joint_interception import fastest_hand
 from gcm_learn.motion.rules import opening
 from gcm_learn.scene import pack, poses_at
 from gcm_learn.scene.bodies import LIMB, PART, REACH
+from tests.execution.conftest import begun
 
 SETTINGS = SpatialSettings(fan=True, slots=2)
 
@@ -29,11 +23,7 @@ SETTINGS = SpatialSettings(fan=True, slots=2)
 @pytest.fixture(scope="module")
 def moved(arms):
     """Return a plant in the midst of its episodes, and the situations."""
-    import gcm_learn
-
-    plant = KinematicPlant(Pool.of(arms), len(arms), SETTINGS)
-    plant.put(np.arange(len(arms)), np.arange(len(arms)))
-    rng = gcm_learn.rng(4)
+    plant, rng = begun(Pool.of(arms), SETTINGS), np.random.default_rng(4)
     for _ in range(6):
         plant.move(rng.uniform(-0.5, 0.5, (len(arms), 4)))
     return plant, arms
@@ -53,14 +43,10 @@ def commands(plant, ray):
 
 
 def test_the_fan_changes_nothing_else(moved):
-    plant, arms = moved
-    plain = KinematicPlant(plant.pool, len(arms), SpatialSettings(slots=2))
-    plain.put(np.arange(len(arms)), np.arange(len(arms)))
-    rng = np.random.default_rng(0)
-    other = KinematicPlant(plant.pool, len(arms), SETTINGS)
-    other.put(np.arange(len(arms)), np.arange(len(arms)))
+    pool, rng = moved[0].pool, np.random.default_rng(0)
+    plain, other = begun(pool, SpatialSettings(slots=2)), begun(pool, SETTINGS)
     for _ in range(3):
-        actions = rng.uniform(-0.5, 0.5, (len(arms), 4))
+        actions = rng.uniform(-0.5, 0.5, (len(pool), 4))
         plain.move(actions)
         other.move(actions)
         told = other.observations[:, : plain.settings.width]

@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from gcm_learn.arms import CHAIN, SPATIAL, ByKind, kind_of
-from gcm_learn.errors import ArenaError, ArmKindError
+from gcm_learn import execution
+from gcm_learn.arms import CHAIN, SPATIAL, ByKind, hands_along, kind_of
 from gcm_learn.execution import (
     CAUGHT,
     COLLIDED,
@@ -16,19 +16,19 @@ from gcm_learn.execution import (
     ChainSettings,
     KinematicPlant,
     Pool,
-    Settings,
     SpatialSettings,
-    pool_for,
-    pool_of,
     run_episode,
     way_of,
 )
 from gcm_learn.motion.failures import Failure
 from gcm_learn.motion.rules import opening
 from gcm_learn.motion.verification import verify
+from gcm_learn.planners import Attempt, SpatialProblem, checked, get_planner
 from gcm_learn.scene.packing import pack
-from gcm_learn.situation import Body, SolidQuadratic, Sphere
-from tests.execution.conftest import good
+from gcm_learn.situation import shipped_arm
+from tests.execution.conftest import Straight, begun, good
+from tests.judging import judge
+from tests.worlds import solid_ball
 
 SETTINGS = ByKind({SPATIAL: SpatialSettings(), CHAIN: ChainSettings()})
 
@@ -37,16 +37,6 @@ SETTINGS = ByKind({SPATIAL: SpatialSettings(), CHAIN: ChainSettings()})
 def some(request, arms, chains):
     """Return situations of one kind of arm."""
     return {"spatial": arms, "chain": chains}[request.param]
-
-
-class Aiming:
-    """Goes straight to where the target can be met."""
-
-    def __init__(self, settings):
-        self._part = slice(settings.straight, settings.straight + settings.commands)
-
-    def act(self, moment):
-        return moment.observations[:, self._part].astype(float)
 
 
 class Wild:
@@ -72,7 +62,7 @@ def played(situations, agent, settings=None):
 @pytest.mark.parametrize("wild", [False, True], ids=["aiming", "wild"])
 def test_what_it_reports_is_what_the_verification_says(some, rng, wild):
     """A catch is a verified plan; a touch is one where it ends, and nothing is before."""
-    agent = Wild(rng) if wild else Aiming(SETTINGS.of(some[0]))
+    agent = Wild(rng) if wild else Straight(SETTINGS.of(some[0]))
     _, episodes = played(some, agent)
     for e, situation in enumerate(some):
         scene = pack(situation)
@@ -169,15 +159,10 @@ def test_joints_that_brake_come_to_rest_at_the_end_of_their_range(arms):
         np.testing.assert_allclose(posture[-1, 4:], 0.0, atol=1e-6)
 
 
-def resting(place):
-    """Return the law of what rests."""
-    return SolidQuadratic(tuple(float(x) for x in place), (0.0,) * 3, (0.0,) * 3)
-
-
 def far_target(arm):
     """Return a resting target that the arm cannot reach."""
     place = np.array(arm.base.origin) + [9.0 * arm.reach, 0.0, 0.0]
-    return Body("target", "far", Sphere(0.1 * arm.reach), resting(place))
+    return solid_ball("far", place, role="target", radius=0.1 * arm.reach)
 
 
 def test_joints_go_where_they_are_told(arms):
@@ -185,8 +170,7 @@ def test_joints_go_where_they_are_told(arms):
     quick = [s for s in arms if s.arm.max_joint_acceleration is None][:6]
     free = [replace(s, bodies=(far_target(s.arm),)) for s in quick]
     free = [replace(s, arm=replace(s.arm, max_hand_speed=None)) for s in free]
-    plant = KinematicPlant(Pool.of(free), len(free), SpatialSettings())
-    plant.put(np.arange(len(free)), np.arange(len(free)))
+    plant = begun(Pool.of(free), SpatialSettings())
     plant.move(np.full((len(free), 4), 0.01))
     for e, situation in enumerate(free):
         arm = situation.arm
@@ -197,11 +181,8 @@ def test_joints_go_where_they_are_told(arms):
 
 def test_many_arms_are_single_ones(some, rng):
     """Whatever the batch and the threads."""
-    settings = SETTINGS.of(some[0])
-    pool = Pool.of(some)
-    many = KinematicPlant(pool, len(pool), settings, threads=3)
-    many.put(np.arange(len(pool)), np.arange(len(pool)))
-    alone = KinematicPlant(pool, 1, settings)
+    settings, pool = SETTINGS.of(some[0]), Pool.of(some)
+    many, alone = begun(pool, settings, threads=3), KinematicPlant(pool, 1, settings)
     commands = rng.uniform(-1.5, 1.5, (15, len(pool), settings.commands))
     told, outcomes = [], []
     for command in commands:
@@ -217,38 +198,57 @@ def test_many_arms_are_single_ones(some, rng):
 def test_a_target_in_the_hand_is_caught_at_once(arms):
     situation = next(s for s in arms if s.arm.max_joint_acceleration is None)
     arm = situation.arm
-    from gcm_learn.arms import forward_in_space
-
-    hand = forward_in_space(arm, arm.joints)[1]
-    held = resting(hand)
-    ball = Body("target", "ball", Sphere(0.1 * arm.reach), held)
-    _, episodes = played([replace(situation, bodies=(ball,))], Aiming(SpatialSettings()))
+    hand = hands_along(arm, arm.joints)[0][0]
+    ball = solid_ball("ball", hand, role="target", radius=0.1 * arm.reach)
+    _, episodes = played([replace(situation, bodies=(ball,))], Straight(SpatialSettings()))
     assert episodes.outcomes[0] == CAUGHT and episodes.times[0] == 0.0
-    way = way_of(arm, *episodes.path(0))
-    assert way.duration == 0.0
+    assert way_of(arm, *episodes.path(0)).duration == 0.0
 
 
-def test_bad_situations_are_refused_in_one_line(arms):
-    from gcm_learn import families
+def test_the_referee_accepts_every_catch(chains):
+    """Catches of the arena as solutions, among them some with an approach."""
+    settings, caught, aimed = execution.ChainSettings(), 0, 0
+    plant = execution.KinematicPlant(execution.Pool.of(chains), len(chains), settings)
+    episodes = execution.run_episode(Straight(settings), plant, np.arange(len(chains)))
+    for e in np.flatnonzero(episodes.outcomes == execution.CAUGHT):
+        situation, way = chains[e], execution.way_of(chains[e].arm, *episodes.path(e))
+        target = next(k for k, b in enumerate(situation.bodies) if b.role == "target")
+        plan, reason = checked(SpatialProblem(situation, "arena"), Attempt(way, target))
+        assert plan is not None, reason
+        assert judge(situation, plan) == []
+        caught += 1
+        aimed += situation.bodies[target].approach is not None
+    assert caught > 5 and aimed > 0
 
-    flat = families.draw("random-planar", 3, 0)
-    for refused in (
-        lambda: pool_for(SpatialSettings(), [flat]),
-        lambda: pool_of("random-planar", 2, 0, SpatialSettings()),
-        lambda: Pool.of([arms[0], flat]),
-        lambda: KinematicPlant(Pool.of([flat]), 1, SpatialSettings()),
-    ):
-        with pytest.raises(ArmKindError, match="the arena does not take planar arms"):
-            refused()
-    with pytest.raises(ArmKindError, match="the arena does not take spatial arms"):
-        pool_for(Settings(), [arms[0]])
-    with pytest.raises(ArenaError, match="there is none"):
-        Pool.of([])
-    arm = arms[0].arm
-    ends = tuple(high for _, high in arm.joint_range)
-    fast = replace(
-        arm, joints=ends, max_joint_acceleration=(1.0,) * 4, joint_rates=arm.max_joint_speed
-    )
-    pool = Pool.of([replace(arms[0], arm=fast, bodies=arms[0].targets)])
-    with pytest.raises(ArenaError, match=r"the arm cannot stop in steps of 0\.02 s"):
-        KinematicPlant(pool, 1, SpatialSettings())
+
+def test_plans_can_be_followed(chains):
+    """What a planner catches is caught again, step by step."""
+    settings = execution.ChainSettings()
+    plans = [get_planner("straight").plan(s) for s in chains]
+    kept = [(s, p.trajectory) for s, p in zip(chains, plans, strict=True) if p.caught]
+    pool = execution.pool_for(settings, [s for s, _ in kept])
+    plant = execution.KinematicPlant(pool, len(pool), settings)
+    agent = execution.follower_of([way for _, way in kept], pool, settings.dt)
+    episodes = execution.run_episode(agent, plant, np.arange(len(pool)))
+    assert len(kept) > 3 and (episodes.outcomes == execution.CAUGHT).mean() > 0.8
+
+
+def test_models_with_shorter_lists_stand_side_by_side(chains):
+    """Pairs, bodies and ignored bodies may be fewer; every arm is observed as if alone."""
+    model = chains[1].arm.model
+    fewer = replace(model, self_collision=model.self_collision[:2])
+    lone = replace(chains[2], bodies=chains[2].targets, arm=replace(chains[2].arm, ignore=()))
+    some = [chains[0], replace(chains[1], arm=replace(chains[1].arm, model=fewer)), lone]
+    told = []
+    for situations in (some, *([one] for one in some)):
+        plant = begun(execution.Pool.of(situations), execution.ChainSettings())
+        plant.move(np.full((plant.count, 7), 0.3))
+        told.append(plant.observations.copy())
+    np.testing.assert_array_equal(told[0], np.concatenate(told[1:]))
+
+
+def test_a_model_decides_how_much_is_observed():
+    for name in ("panda", "ur5", "iiwa14", "xarm6"):
+        model, settings = shipped_arm(name), execution.ChainSettings(arm=name)
+        assert settings.commands == model.dof
+        assert settings.width == 7 * model.dof + 4 * len(model.links) + 41 + 20 * settings.slots

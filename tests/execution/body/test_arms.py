@@ -2,29 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
-from gcm_learn.errors import ArenaError, PhysicsError
-from gcm_learn.execution import (
-    CAUGHT,
-    COLLIDED,
-    LATE,
-    KinematicPlant,
-    PhysicalArms,
-    PhysicalPlant,
-    PhysicalSettings,
-    Pool,
-    SpatialSettings,
-    pool_for,
-    run_episode,
-    situations_of,
-)
+from gcm_learn import execution
 from gcm_learn.execution.arena.kernels.joints.playing import SPATIAL_KERNELS
-from gcm_learn.execution.body.model import STEP
 from gcm_learn.execution.body.motors import motor_accelerations
+from tests.execution.conftest import Straight
 
 COUNT = 12
 
@@ -32,28 +16,19 @@ COUNT = 12
 @pytest.fixture(scope="module")
 def pool():
     """Situations of arms that have a body."""
-    return pool_for(
-        PhysicalSettings(), situations_of("crossing-swarm-space", COUNT, 0, PhysicalSettings())
+    return execution.pool_for(
+        execution.PhysicalSettings(),
+        execution.situations_of("crossing-swarm-space", COUNT, 0, execution.PhysicalSettings()),
     )
-
-
-class Straight:
-    """Follows the command that goes straight."""
-
-    def __init__(self, settings):
-        self.at = settings.straight
-
-    def act(self, moment):
-        return moment.observations[:, self.at : self.at + 4].copy()
 
 
 @pytest.fixture(scope="module", params=["joint", "torque"])
 def played(request, pool):
     """Episodes in all situations, the commands and the arms."""
-    settings = PhysicalSettings(control=request.param)
-    arms = PhysicalArms(pool, COUNT, settings)
+    settings = execution.PhysicalSettings(control=request.param)
+    arms = execution.PhysicalArms(pool, COUNT, settings)
     steps = []
-    episodes = run_episode(Straight(settings), arms, np.arange(COUNT), steps.append)
+    episodes = execution.run_episode(Straight(settings), arms, np.arange(COUNT), steps.append)
     return settings, arms, episodes, steps
 
 
@@ -69,7 +44,7 @@ def test_every_arm_is_a_plant(played, pool):
     """What comes of commands is what the plant makes of them, up to the step of the end."""
     settings, _, episodes, steps = played
     for e in range(COUNT):
-        plant = PhysicalPlant(pool.situations[e], pool.bodies[e])
+        plant = execution.PhysicalPlant(pool.situations[e], pool.bodies[e])
         for k, step in enumerate(steps[: episodes.steps[e]]):
             action = step.actions[list(step.arms).index(e)].astype(float)
             if settings.control == "torque":
@@ -78,14 +53,16 @@ def test_every_arm_is_a_plant(played, pool):
             else:
                 plant.turn(action * np.array(plant.situation.arm.max_joint_speed), 0.02 * (k + 1))
         assert plant.outcome == episodes.outcomes[e]
-        time = {CAUGHT: plant.catch_time, LATE: plant.situation.horizon}.get(plant.outcome)
-        if plant.outcome == COLLIDED:
+        time = {execution.CAUGHT: plant.catch_time, execution.LATE: plant.situation.horizon}.get(
+            plant.outcome
+        )
+        if plant.outcome == execution.COLLIDED:
             time = plant.contact.time
         assert episodes.times[e] == pytest.approx(time)
         assert episodes.posture[episodes.steps[e], e, :4] == pytest.approx(
             plant.joints_log[plant.ended], abs=1e-5
         )
-    assert {CAUGHT, COLLIDED} <= set(episodes.outcomes)
+    assert {execution.CAUGHT, execution.COLLIDED} <= set(episodes.outcomes)
 
 
 def test_rewards_pay_for_what_happened(played):
@@ -94,15 +71,19 @@ def test_rewards_pay_for_what_happened(played):
     for step in steps:
         np.add.at(total, step.arms, step.rewards)
     horizon = np.array([s.horizon for s in played[1].pool.situations])
-    wanted = (episodes.outcomes == CAUGHT) * 1.0 - (episodes.outcomes == COLLIDED)
+    wanted = (episodes.outcomes == execution.CAUGHT) * 1.0 - (
+        episodes.outcomes == execution.COLLIDED
+    )
     np.testing.assert_allclose(total, wanted - 0.1 * episodes.times / horizon, atol=1e-5)
 
 
 def test_what_is_told_is_what_kinematic_arms_are_told(pool):
     """Number by number: the same function of situation, time, joints and rates."""
-    settings, everyone = PhysicalSettings(control="torque"), np.arange(COUNT)
-    arms = PhysicalArms(pool, COUNT, settings)
-    kinematic = KinematicPlant(Pool.of(pool.situations), COUNT, SpatialSettings())
+    settings, everyone = execution.PhysicalSettings(control="torque"), np.arange(COUNT)
+    arms = execution.PhysicalArms(pool, COUNT, settings)
+    kinematic = execution.KinematicPlant(
+        execution.Pool.of(pool.situations), COUNT, execution.SpatialSettings()
+    )
     for plant in (arms, kinematic):
         plant.put(everyone, everyone)
     np.testing.assert_array_equal(arms.observations[:, :-8], kinematic.observations)
@@ -110,7 +91,7 @@ def test_what_is_told_is_what_kinematic_arms_are_told(pool):
     arms.move(np.full((COUNT, 4), 0.5))
     kinematic.state.posture[:], kinematic.state.time[:] = arms.posture, arms.time
     world, state = tuple(kinematic.pool.world), tuple(kinematic.state)
-    options = SpatialSettings().options
+    options = execution.SpatialSettings().options
     SPATIAL_KERNELS.observe(world, state, everyone, options, kinematic.observations)
     np.testing.assert_array_equal(arms.observations[:, :-8], kinematic.observations)
     assert (np.abs(kinematic.observations - before).max(axis=1) > 0.01).all()
@@ -119,7 +100,10 @@ def test_what_is_told_is_what_kinematic_arms_are_told(pool):
 def test_a_plant_that_begins_anew_is_as_good_as_new(pool, monkeypatch):
     """Plants wait for their situations to come again, not more of them than may be kept."""
     monkeypatch.setattr("gcm_learn.execution.body.arms.KEPT", 2)
-    arms, commands = PhysicalArms(pool, 1, PhysicalSettings()), np.full((12, 1, 4), 0.7)
+    arms, commands = (
+        execution.PhysicalArms(pool, 1, execution.PhysicalSettings()),
+        np.full((12, 1, 4), 0.7),
+    )
     one, seen, plants = np.zeros(1, int), [], []
     for place in (0, 1, 0, 2, 3, 4, 0):
         arms.put(one, one + place)
@@ -137,8 +121,8 @@ def test_a_plant_that_begins_anew_is_as_good_as_new(pool, monkeypatch):
 
 def test_torques_that_are_told_hold_the_arm(pool):
     """An arm that gives what holds it hardly moves; one that gives nothing falls."""
-    settings = PhysicalSettings(control="torque")
-    arms = PhysicalArms(pool, COUNT, settings)
+    settings = execution.PhysicalSettings(control="torque")
+    arms = execution.PhysicalArms(pool, COUNT, settings)
 
     def moved(command):
         arms.put(np.arange(COUNT), np.arange(COUNT))
@@ -150,18 +134,3 @@ def test_torques_that_are_told_hold_the_arm(pool):
     held = moved(lambda told: told[:, -8:-4])
     fallen = moved(lambda told: np.zeros((COUNT, 4)))
     assert np.median(held) < 0.02 < 0.1 < np.median(fallen)
-
-
-def test_settings_are_checked():
-    with pytest.raises(ArenaError, match=r"control: 'hand' is not one of joint, torque"):
-        PhysicalSettings(control="hand")
-    with pytest.raises(ArenaError, match=rf"dt: must be whole steps of physics, of {STEP} s"):
-        PhysicalSettings(dt=0.021)
-
-
-def test_arms_without_a_body_are_refused_in_one_line(pool):
-    situation = pool.situations[0]
-    odd = replace(situation, arm=replace(situation.arm, forearm=(7.0, 0.0, 0.0)))
-    with pytest.raises(PhysicsError, match="body: none that is shipped fits the arm") as caught:
-        pool_for(PhysicalSettings(), [odd])
-    assert "\n" not in str(caught.value) and repr(odd.name) in str(caught.value)

@@ -8,40 +8,21 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from gcm_learn.arms import Chain, hands_along
+from gcm_learn import execution
+from gcm_learn.arms import hands_along
 from gcm_learn.cli import main
-from gcm_learn.execution import (
-    Loop,
-    Perception,
-    PhysicalPlant,
-    Planning,
-    body_for,
-    execute,
-    execute_seen,
-    execution_to_json,
-    with_motor_limits,
-)
 from gcm_learn.execution.arena.kernels.world import CAUGHT
 from gcm_learn.execution.body.model import STEP
 from gcm_learn.planners import get_planner, solve
 from gcm_learn.situation import (
-    Body,
-    Situation,
-    SolidQuadratic,
-    Sphere,
-    shipped_arm,
     write_situations,
 )
+from tests.worlds import READY, among, flight, panda, solid_ball
 
-READY = (0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785)
-PANDA = Chain(shipped_arm("panda"), READY, 0.03)
 PLANNER = get_planner("search")
-FAR = (0.0, 2.0, 0.0)
 
 
-def ball(name, place, velocity=(0.0, 0.0, 0.0), role="target"):
-    motion = SolidQuadratic(tuple(place), velocity, (0.0, 0.0, 0.0))
-    return Body(role, name, Sphere(0.02), motion)
+PANDA = panda()
 
 
 def along(*turns):
@@ -51,20 +32,15 @@ def along(*turns):
     return hands_along(PANDA, postures)[0].tolist()
 
 
-def asking(catch, *bodies, horizon=2.5):
-    """The Panda among bodies, with limits from its motors."""
-    situation = Situation("several", horizon, PANDA, tuple(bodies), catch=catch)
-    return with_motor_limits(situation, body_for(PANDA))
-
-
 @pytest.fixture(scope="module")
 def two():
     """Two balls, one of which falls slowly, and a plan for both."""
     first, second = along(0.5, -0.6)
-    falling = replace(
-        ball("second", second), motion=SolidQuadratic(second, (0, 0, 0.1), (0, 0, -0.1))
-    )
-    situation = asking("all", ball("first", first), falling)
+    falling = solid_ball("second", second, role="target")
+    falling = replace(falling, motion=flight(second, (0, 0, 0.1), (0, 0, -0.1)))
+    bodies = solid_ball("first", first, role="target"), falling
+    situation = among(PANDA, *bodies, horizon=2.5, name="several", catch="all")
+    situation = execution.with_motor_limits(situation, execution.body_for(PANDA))
     plan = solve(situation)
     assert len(plan.catches) == 2
     return situation, plan
@@ -72,37 +48,37 @@ def two():
 
 def test_all_targets_of_a_plan_are_caught_in_time(two):
     situation, plan = two
-    done = execute(plan, situation)
+    done = execution.execute(plan, situation)
     assert done.status == "caught" and [c.body for c in done.catches] == [
         catch["body"] for catch in plan.catches
     ]
     for seen, wanted in zip(done.catches, plan.catches, strict=True):
         assert seen.time == pytest.approx(wanted["time"], abs=0.01)
     assert (done.catch_body, done.catch_time) == done.catches[-1]
-    told = execution_to_json(done)
+    told = execution.execution_to_json(done)
     assert told["catches"] == [{"body": c.body, "time": c.time} for c in done.catches]
+
+
+FAR = solid_ball("far", (0.0, 2.0, 0.0), role="target")
 
 
 def test_a_caught_target_is_gone_and_the_other_keeps_its_law(two):
     """Nothing pushes the hand that goes through the place of a catch, as without any ball."""
     situation, plan = two
-    done = execute(plan, situation)
+    done = execution.execute(plan, situation)
     first, last = (round(catch.time / STEP) for catch in done.catches)
     names = [body.name for body in situation.bodies]
-    j, other = (7 * names.index(catch.body) for catch in done.catches)
-    log, laws = done.plant.targets_log, done.plant._laws.targets
-    np.testing.assert_array_equal(
-        log[: last + 1, other : other + 7], laws[: last + 1, other : other + 7]
+    gone, other = (slice(7 * k, 7 * k + 7) for k in (names.index(c.body) for c in done.catches))
+    log, laws = done.plant.targets_log[: last + 1], done.plant._laws.targets[: last + 1]
+    np.testing.assert_array_equal(log[:, other], laws[:, other])
+    after = log[first:, gone]
+    np.testing.assert_array_equal(after, np.tile(after[0], (len(after), 1)))
+    alone = execution.PhysicalPlant(
+        replace(situation, bodies=(FAR,), catch="any"), execution.body_for(PANDA)
     )
-    np.testing.assert_array_equal(
-        log[first : last + 1, j : j + 7], np.tile(log[first, j : j + 7], (last - first + 1, 1))
-    )
-    bare = replace(situation, bodies=(ball("far", FAR),), catch="any")
-    alone = PhysicalPlant(bare, body_for(PANDA))
     alone.follow(done.plan, done.catch_time)
-    np.testing.assert_allclose(
-        done.plant.joints_log[: last + 1], alone.joints_log[: last + 1], atol=1e-12
-    )
+    mine, its = (plant.joints_log[: last + 1] for plant in (done.plant, alone))
+    np.testing.assert_allclose(mine, its, atol=1e-12)
 
 
 def test_all_is_late_and_most_is_not_where_one_target_is_missed(two):
@@ -112,16 +88,16 @@ def test_all_is_late_and_most_is_not_where_one_target_is_missed(two):
     some = replace(moves, time=moves.time[: until + 1], joints=moves.joints[: until + 1],
                    rates=moves.rates[: until + 1])  # fmt: skip
     for catch, status in (("all", "late"), ("most", "caught")):
-        done = execute(replace(plan, trajectory=some), replace(situation, catch=catch))
+        done = execution.execute(replace(plan, trajectory=some), replace(situation, catch=catch))
         assert done.status == status and [c.body for c in done.catches] == [plan.catches[0]["body"]]
         assert (done.catch_time is None) == (status == "late") and done.contact is None
 
 
 def test_a_plan_for_one_of_most_ends_with_it(two):
     situation, _ = two
-    most = replace(situation, catch="most", bodies=(situation.bodies[0], ball("far", FAR)))
+    most = replace(situation, catch="most", bodies=(situation.bodies[0], FAR))
     plan = solve(most)
-    done = execute(plan, most)
+    done = execution.execute(plan, most)
     assert len(plan.catches) == 1 and done.status == "caught"
     assert done.plant.outcome == CAUGHT and done.stays is not None and done.braked is not None
 
@@ -131,10 +107,9 @@ def test_a_touch_between_two_catches_counts(two):
     situation, plan = two
     first, last = (catch["time"] for catch in plan.catches)
     middle = 0.5 * (first + last)
-    there = plan.trajectory.hand_at(middle) + (0.0, 0.0, -0.05)
-    post = ball("post", there + (0.0, 0.0, -2.0 * middle), (0.0, 0.0, 2.0), "obstacle")
-    blocked = replace(situation, bodies=(*situation.bodies, post))
-    done = execute(plan, blocked)
+    there = plan.trajectory.hand_at(middle) + (0.0, 0.0, -0.05 - 2.0 * middle)
+    post = solid_ball("post", there, (0.0, 0.0, 2.0))
+    done = execution.execute(plan, replace(situation, bodies=(*situation.bodies, post)))
     assert done.status == "collided" and done.contact.name == "post"
     assert [c.body for c in done.catches] == [plan.catches[0]["body"]]
     assert first < done.contact.time < last and done.catch_time is None
@@ -142,7 +117,7 @@ def test_a_touch_between_two_catches_counts(two):
 
 def test_a_plant_begins_anew_with_all_targets(two):
     situation, plan = two
-    plant = PhysicalPlant(situation, body_for(PANDA))
+    plant = execution.PhysicalPlant(situation, execution.body_for(PANDA))
     told = []
     for _ in range(2):
         plant.begin()
@@ -155,14 +130,16 @@ def test_a_plant_begins_anew_with_all_targets(two):
 @pytest.mark.parametrize("kinematic", [True, False])
 def test_the_closed_loop_goes_on_after_a_catch(two, kinematic):
     situation, _ = two
-    loop = Loop(Perception(), 2, thinking=0.0)
-    done = execute_seen(Planning(PLANNER), situation, loop, 0, kinematic=kinematic)
+    loop = execution.Loop(execution.Perception(), 2, thinking=0.0)
+    done = execution.execute_seen(
+        execution.Planning(PLANNER), situation, loop, 0, kinematic=kinematic
+    )
     assert done.status == "caught" and {c.body for c in done.catches} == {"first", "second"}
 
 
 def test_outcomes_of_kinematic_plants_are_those_of_plans(two):
     situation, plan = two
-    done = execute(plan, situation, kinematic=True)
+    done = execution.execute(plan, situation, kinematic=True)
     assert done.status == "caught"
     for seen, wanted in zip(done.catches, plan.catches, strict=True):
         assert seen.body == wanted["body"] and seen.time <= wanted["time"] + 1e-9

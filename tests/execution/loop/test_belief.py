@@ -10,13 +10,12 @@ import pytest
 from scipy.stats import chi2, kstest
 
 from gcm_learn import families, seeding
-from gcm_learn.arms import Chain
-from gcm_learn.errors import ArenaError
 from gcm_learn.execution import Belief, Percept, Perception
 from gcm_learn.rendering import body_poses
 from gcm_learn.scene import bodies_later, later
-from gcm_learn.situation import Body, Pendulum, Situation, SolidQuadratic, Sphere, shipped_arm
-from tests.execution.loop.test_perception import BOUNCES, WAY
+from gcm_learn.situation import Body, Pendulum, SolidQuadratic, Sphere
+from tests.execution.loop.test_perception import BOUNCES, WAY, known
+from tests.worlds import among, flight
 
 PLACE, FASTER, PRIOR = 0.02, 5.0, 10.0
 TAKEN = families.family_names("planar") + families.family_names("spatial")
@@ -37,11 +36,12 @@ def arm():
 
 def world(arm, *motions):
     """Return a situation with balls that move so, the first of them a target."""
-    bodies = [
-        Body("obstacle" if k else "target", f"ball {k}", Sphere(0.05), motion)
-        for k, motion in enumerate(motions)
+    roles = ["target", *["obstacle"] * (len(motions) - 1)]
+    balls = [
+        Body(role, f"ball {k}", Sphere(0.05), motion)
+        for k, (role, motion) in enumerate(zip(roles, motions, strict=True))
     ]
-    return Situation("balls", 3.0, arm, tuple(bodies))
+    return among(arm, *balls, horizon=3.0)
 
 
 def told(belief, eyes, situation, looks, *seed):
@@ -53,7 +53,7 @@ def told(belief, eyes, situation, looks, *seed):
 def flown(rng, forearm):
     """Return a motion whose acceleration is drawn from the prior."""
     place, velocity, pull = rng.normal(size=3), rng.normal(size=3), PRIOR * forearm
-    return SolidQuadratic(tuple(place), tuple(velocity), tuple(pull * rng.normal(size=3)))
+    return flight(place, velocity, pull * rng.normal(size=3))
 
 
 @pytest.mark.parametrize("name", TAKEN)
@@ -77,7 +77,7 @@ def test_without_noise_two_percepts_suffice(name):
 
 def test_the_arm_is_the_one_that_is_told(arm):
     moving = replace(arm, max_joint_acceleration=(50.0,) * 4, joint_rates=(0.1, 0.0, -0.2, 0.3))
-    situation = world(moving, SolidQuadratic((1.0, 0.0, 0.0), (0.0,) * 3, (0.0,) * 3))
+    situation = world(moving, flight((1.0, 0.0, 0.0)))
     belief = Belief(situation, EYES)
     told(belief, EYES, situation, 2, 0)
     assert belief.situation(0.3, moving).arm == moving
@@ -85,22 +85,19 @@ def test_the_arm_is_the_one_that_is_told(arm):
 
 def test_nothing_is_known_before_the_first_look(arm):
     """What a belief takes from a situation is not its bodies; accelerations have a prior only."""
-    rising = SolidQuadratic((1.0, 0.0, 0.0), (0.3, 0.0, 0.0), (5.0, 0.0, 0.0))
-    falling = SolidQuadratic((1.0, 0.0, 0.0), (0.3, 0.0, 0.0), (-5.0, 0.0, 0.0))
     thought = []
-    for motion in (rising, falling):
-        belief = Belief(world(arm, motion), Perception(delay=0))
-        told(belief, Perception(delay=0), world(arm, motion), 1, 0)
+    for pull in (5.0, -5.0):
+        situation = world(arm, flight((1.0, 0.0, 0.0), (0.3, 0.0, 0.0), (pull, 0.0, 0.0)))
+        belief = Belief(situation, Perception(delay=0))
+        told(belief, Perception(delay=0), situation, 1, 0)
         thought.append(belief.situation(0.5, arm))
     assert thought[0] == thought[1]
     assert thought[0].bodies[0].motion.position == pytest.approx((1.15, 0.0, 0.0))
-    with pytest.raises(ArenaError, match="acceleration: must be from 0 on"):
-        Belief(world(arm, rising), EYES, acceleration=-1.0)
 
 
 def test_a_body_at_rest_is_known_ever_better(arm):
     """By all looks together: the mean of them, and the deviation falls with their root."""
-    situation = world(arm, SolidQuadratic((1.0, 0.2, 0.4), (0.0,) * 3, (0.0,) * 3))
+    situation = world(arm, flight((1.0, 0.2, 0.4)))
     for looks in (1, 4, 25):
         belief = Belief(situation, EYES)
         told(belief, EYES, situation, looks, 3)
@@ -173,7 +170,7 @@ def test_bodies_that_fall_are_followed_from_the_first_looks_on():
 
 def test_surprises_are_chi_square(arm):
     """What is seen strays from what was expected as far as it should, no less and no more."""
-    rest = SolidQuadratic((0.5, 0.5, 0.0), (0.0,) * 3, (0.0,) * 3)
+    rest = flight((0.5, 0.5, 0.0))
     eyes = replace(EYES, dropouts=1.0)
     found = []
     for k in range(120):
@@ -187,13 +184,6 @@ def test_surprises_are_chi_square(arm):
     situation = world(arm, rest)
     wrong = [told(Belief(situation, EYES), worse, situation, 15, 33, k)[1:, 0] for k in range(50)]
     assert kstest(np.concatenate(wrong), chi2(3).cdf).pvalue < 1e-6
-
-
-def known(motion):
-    """A chain and a ball whose law is known but for where it lies."""
-    chain = Chain(shipped_arm("panda"), (0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0), 0.05)
-    ball = Body("target", "ball", Sphere(0.1), motion)
-    return Situation("known", 2.0, chain, (ball,), format="gcm-learn/situation@3")
 
 
 @pytest.mark.parametrize("motion", [WAY, BOUNCES], ids=["sampled", "piecewise"])
@@ -230,15 +220,13 @@ def test_a_pendulum_is_followed(arm):
     ratios, spans = [], []
     situation = world(arm, SWING)
     for k in range(60):
-        belief = Belief(situation, EYES)
-        told(belief, EYES, situation, 3, 42, k)
-        before = belief.deviations(1.0)[0]
-        belief = Belief(situation, EYES)
-        told(belief, EYES, situation, 45, 42, k)
-        after = belief.deviations(1.0)[0]
+        beliefs = [Belief(situation, EYES) for _ in range(2)]
+        for belief, looks in zip(beliefs, (3, 45), strict=True):
+            told(belief, EYES, situation, looks, 42, k)
+        before, after = (belief.deviations(1.0)[0] for belief in beliefs)
         spans.append(after / before)
         true = later(situation, 1.0, joints=arm.joints).bodies[0].motion.angle
-        thought = belief.situation(1.0, arm).bodies[0].motion
+        thought = beliefs[1].situation(1.0, arm).bodies[0].motion
         assert thought.pivot == SWING.pivot
         ratios.append((thought.angle - true) * 0.8 / after)
     assert max(spans) < 0.4
@@ -264,7 +252,7 @@ def test_dropouts_make_less_certain(arm):
 
 def test_what_begins_to_move_is_believed_anew(arm):
     """A body that was seen at rest and is not any more has no past."""
-    rest = world(arm, SolidQuadratic((1.0, 0.0, 0.0), (0.0,) * 3, (0.0,) * 3))
+    rest = world(arm, flight((1.0, 0.0, 0.0)))
     belief = Belief(rest, Perception(delay=0))
     told(belief, Perception(delay=0), rest, 3, 0)
     flies = replace(rest.bodies[0].motion, velocity=(2.0, 0.0, 0.0))

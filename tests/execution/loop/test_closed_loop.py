@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 from gcm_learn import families
-from gcm_learn.arms import PLANAR, Arm, Chain, SpatialArm, kind_of
-from gcm_learn.errors import ArenaError
+from gcm_learn.arms import PLANAR, Arm, SpatialArm, kind_of
 from gcm_learn.execution import (
     CAUGHT,
     COLLIDED,
@@ -28,13 +27,9 @@ from gcm_learn.motion import Movement
 from gcm_learn.planners import get_planner
 from gcm_learn.situation import (
     Body,
-    Disc,
-    PlanarQuadratic,
-    Situation,
-    SolidQuadratic,
     Sphere,
-    shipped_arm,
 )
+from tests.worlds import among, disc, flight, panda, solid_ball
 
 EXACT = Perception()
 ARM = SpatialArm(
@@ -49,27 +44,21 @@ PLANAR_ARM = Arm(hand=(1.6, 0.2), max_hand_speed=3.0, thickness=0.05)
 
 def falling(arm=ARM, shift=0.0):
     """Return a ball that falls past a spatial arm's reach."""
-    motion = SolidQuadratic((1.2, 1.5 + shift, 1.2), (0.0, -1.2, 0.0), (0.0, 0.0, -2.0))
-    return Situation("ball", 1.2, arm, (Body("target", "ball", Sphere(0.1), motion),))
+    motion = flight((1.2, 1.5 + shift, 1.2), (0.0, -1.2, 0.0), (0.0, 0.0, -2.0))
+    return among(arm, Body("target", "ball", Sphere(0.1), motion), horizon=1.2)
 
 
-def flying(arm=PLANAR_ARM, shift=0.0):
+def flying(shift=0.0):
     """Return a disc that flies past a planar arm's reach."""
-    motion = PlanarQuadratic((-1.4, 1.3 + shift), (2.2, -0.4), (0.0, -2.0))
-    return Situation("disc", 1.2, arm, (Body("target", "disc", Disc(0.1), motion),))
+    target = disc("disc", (-1.4, 1.3 + shift), (2.2, -0.4), "target", 0.1, (0.0, -2.0))
+    return among(PLANAR_ARM, target, horizon=1.2)
 
 
-PANDA = Chain(
-    shipped_arm("panda"), (0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785), 0.05,
-    max_joint_acceleration=(15.0,) * 7,
-)  # fmt: skip
-
-
-def thrown(arm=PANDA, shift=0.0):
+def thrown(shift=0.0):
     """Return a ball that flies past a Panda's reach."""
-    motion = SolidQuadratic((0.5, 1.0 + shift, 0.6), (0.0, -0.9, 1.5), (0.0, 0.0, -3.0))
-    bodies = (Body("target", "ball", Sphere(0.05), motion),)
-    return Situation("throw", 1.2, arm, bodies, format="gcm-learn/situation@3")
+    motion = flight((0.5, 1.0 + shift, 0.6), (0.0, -0.9, 1.5), (0.0, 0.0, -3.0))
+    arm = panda(0.05, max_joint_acceleration=(15.0,) * 7)
+    return among(arm, Body("target", "ball", Sphere(0.05), motion), horizon=1.2)
 
 
 MADE = {"planar": flying, "spatial": falling, "chain": thrown}
@@ -167,9 +156,7 @@ def test_who_thinks_long_goes_on_meanwhile():
             assert asked.arm.joints == pytest.approx(there[0][1:5], abs=1e-9)
             assert asked.arm.joint_rates == pytest.approx(there[0][5:], abs=1e-6)
     assert any(any(asked.arm.joint_rates) for asked in planner.asked[1:])
-    rows = np.array(plant.rows)
-    assert (np.abs(np.diff(rows[:-1, 1:5], axis=0)) <= 6.0 * 0.02 + 1e-9).all()
-    assert (np.abs(np.diff(rows[:-1, 5:], axis=0)) <= 40.0 * 0.02 + 1e-6).all()
+    assert_within_limits(np.array(plant.rows))
     assert course.thoughts[0].begun == pytest.approx(0.04)
 
 
@@ -191,7 +178,7 @@ def test_thinking_is_charged_as_long_as_it_takes():
         Planning(planner, "once"), ExactPlant(situation), situation, Loop(EXACT, 2), 0
     )
     (thought,) = course.thoughts
-    assert 0.07 <= thought.took
+    assert thought.took >= 0.07
     if thought.found:
         ready = 1.2 - planner.asked[-1].horizon
         assert ready >= thought.begun + thought.took - 1e-9
@@ -201,61 +188,49 @@ def test_thinking_is_charged_as_long_as_it_takes():
 @EACH
 def test_a_plan_that_holds_is_kept(make):
     """Without noise one thought suffices for every habit that keeps good plans."""
-    situation = make()
-    courses = [
-        run_closed_loop(
-            Planning(get_planner("search"), habit), ExactPlant(situation), situation,
-            Loop(EXACT, 2, thinking=0.02), 0,
-        )
-        for habit in ("once", "broken", "always")
-    ]  # fmt: skip
+    courses = [course_of(habit, make(), Loop(EXACT, 2, thinking=0.02), 0) for habit in HABITS]
     assert [course.outcome for course in courses] == [CAUGHT] * 3
     assert [len(course.thoughts) for course in courses[:2]] == [1, 1]
     assert len(courses[2].thoughts) > 5
     assert courses[0].time == courses[1].time
 
 
-@EACH
+HABITS = ("once", "broken", "always")
+
+
+def course_of(habit, situation, loop, *seed):
+    mind = Planning(get_planner("search"), habit)
+    return run_closed_loop(mind, ExactPlant(situation), situation, loop, *seed)
+
+
+@pytest.mark.parametrize("make", [flying, falling, pytest.param(thrown, marks=pytest.mark.slow)])
 def test_a_plan_that_breaks_is_replaced(make):
     """With noise the first plan misses, one that is made anew does not."""
-    found = {"once": 0, "broken": 0}
+    loop, found = Loop(Perception(place=0.04), 2, thinking=0.02), {"once": 0, "broken": 0}
     for habit in found:
         for k in range(12):
-            situation = make(shift=0.02 * k)
-            course = run_closed_loop(
-                Planning(get_planner("search"), habit), ExactPlant(situation), situation,
-                Loop(Perception(place=0.04), 2, thinking=0.02), 5, k,
-            )  # fmt: skip
+            course = course_of(habit, make(shift=0.02 * k), loop, 5, k)
             found[habit] += course.outcome == CAUGHT
     assert found["once"] <= 8 and found["broken"] >= found["once"] + 3
 
 
 def test_nothing_is_done_without_a_plan():
     """An arm that moves brakes; the episode goes on to its end, whatever comes."""
-    arm = replace(ARM, joint_rates=(1.0, 0.0, -2.0, 0.5))
-    plant = ExactPlant(falling(arm))
-    course = run_closed_loop(
-        Planning(Silent(), "always"), plant, falling(arm), Loop(EXACT, 2, thinking=0.02), 0
-    )
+    arm, loop = replace(ARM, joint_rates=(1.0, 0.0, -2.0, 0.5)), Loop(EXACT, 2, thinking=0.02)
+    plant, silent = ExactPlant(falling(arm)), Planning(Silent(), "always")
+    course = run_closed_loop(silent, plant, falling(arm), loop, 0)
     assert course.outcome == LATE and course.time == pytest.approx(1.2)
     assert not any(plant.arm.joint_rates) and not any(thought.found for thought in course.thoughts)
-    rises = SolidQuadratic((1.0, 0.0, -0.5), (0.0, 0.0, 1.0), (0.0, 0.0, 0.0))
-    stone = replace(
-        falling(), bodies=(*falling().bodies, Body("obstacle", "stone", Sphere(0.1), rises))
-    )
-    course = run_closed_loop(
-        Planning(Silent()), ExactPlant(stone), stone, Loop(EXACT, 2, thinking=0.02), 0
-    )
+    stone = solid_ball("stone", (1.0, 0.0, -0.5), (0.0, 0.0, 1.0), radius=0.1)
+    stone = replace(falling(), bodies=(*falling().bodies, stone))
+    course = run_closed_loop(silent, ExactPlant(stone), stone, loop, 0)
     assert course.outcome == COLLIDED and course.time == pytest.approx(0.35, abs=1e-3)
 
 
 @EACH
 def test_the_same_seed_goes_the_same_way(make):
-    situation, loop = make(), Loop(Perception(place=0.03, dropouts=1.0), 2, thinking=0.03)
-    mind = Planning(get_planner("search"))
-    courses = [
-        run_closed_loop(mind, ExactPlant(situation), situation, loop, 9, k) for k in (1, 1, 2)
-    ]
+    loop = Loop(Perception(place=0.03, dropouts=1.0), 2, thinking=0.03)
+    courses = [course_of("broken", make(), loop, 9, k) for k in (1, 1, 2)]
     assert courses[0] == courses[1] != courses[2]
 
 
@@ -294,25 +269,27 @@ def test_joints_can_be_commanded(limited):
         return 8.0 / 6.0 * (goal - told[:, :4])
 
     hand = Movement(arm, np.zeros(1), goal[None]).hand[0]
-    motion = SolidQuadratic(tuple(hand.tolist()), (0.0,) * 3, (0.0,) * 3)
-    situation = Situation("there", 2.0, arm, (Body("target", "ball", Sphere(0.1), motion),))
+    ball = solid_ball("ball", hand.tolist(), role="target", radius=0.1)
+    situation = among(arm, ball, horizon=2.0)
     plant = Watched(situation)
     course = run_closed_loop(Commanding(policy), plant, situation, Loop(EXACT, 2, thinking=0.0), 0)
     assert course.outcome == CAUGHT
     rows = np.array(plant.rows)
-    assert (np.abs(np.diff(rows[:-1, 1:5], axis=0)) <= 6.0 * 0.02 + 1e-9).all()
-    if limited:
-        assert (np.abs(np.diff(rows[:-1, 5:], axis=0)) <= 40.0 * 0.02 + 1e-9).all()
+    assert_within_limits(rows)
     assert (np.abs(rows[:, 1:5]) <= 2.0 + 1e-9).all()
+
+
+def assert_within_limits(rows):
+    """Joints, and rates where there are some, change no faster than the arm's limits allow."""
+    for columns, most in ((slice(1, 5), 6.0), (slice(5, 9), 40.0)):
+        assert (np.abs(np.diff(rows[:-1, columns], axis=0)) <= most * 0.02 + 1e-6).all()
 
 
 def test_commands_end_before_the_range_does():
     situation = falling()
     plant = Watched(situation)
-    run_closed_loop(
-        Commanding(lambda told: np.array([[0.0, 9.0, -9.0, 9.0]])), plant, situation,
-        Loop(EXACT, 2, thinking=0.02), 0,
-    )  # fmt: skip
+    ahead = Commanding(lambda told: np.array([[0.0, 9.0, -9.0, 9.0]]))
+    run_closed_loop(ahead, plant, situation, Loop(EXACT, 2, thinking=0.02), 0)
     rows = np.array(plant.rows)
     assert (np.abs(rows[:, 1:5]) <= 2.0 + 1e-6).all()
     assert rows[-1, 2] > 1.9
@@ -342,32 +319,13 @@ def test_exact_perception_catches_what_is_planned(name):
             assert course.outcome == CAUGHT
 
 
-@pytest.mark.parametrize(
-    ("make", "reason"),
-    [
-        (lambda: Loop(EXACT, looks=0), "looks: must be an integer from 1 on (got 0)"),
-        (lambda: Loop(EXACT, 2, thinking=-1.0), "thinking: must be from 0 on (got -1.0)"),
-        (
-            lambda: Planning(Silent(), "never"),
-            "habit: must be one of once, always, broken (got 'never')",
-        ),
-    ],
-)
-def test_bad_settings_are_refused_in_one_line(make, reason):
-    with pytest.raises(ArenaError) as refused:
-        make()
-    assert str(refused.value) == reason
-
-
 def test_an_arm_with_mass_is_led_too():
     """It lags a little behind what it is led along, and catches when the kinematic one does."""
     pytest.importorskip("mujoco")
     situation, loop = falling(), Loop(Perception(place=0.01), 4, thinking=0.02)
     plants = ExactPlant(situation), PhysicalPlant(situation, body_for(ARM))
-    courses = [
-        run_closed_loop(Planning(get_planner("search")), plant, situation, loop, 3)
-        for plant in plants
-    ]
+    mind = Planning(get_planner("search"))
+    courses = [run_closed_loop(mind, plant, situation, loop, 3) for plant in plants]
     assert [course.outcome for course in courses] == [CAUGHT, CAUGHT]
     assert courses[1].time == pytest.approx(courses[0].time, abs=0.05)
     assert plants[1].catch_time == courses[1].time

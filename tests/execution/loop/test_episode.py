@@ -5,21 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from gcm_learn import planners
-from gcm_learn.execution import (
-    CAUGHT,
-    COLLIDED,
-    LATE,
-    RUNNING,
-    KinematicPlant,
-    Pool,
-    Settings,
-    follower_of,
-    run_episode,
-)
+from gcm_learn import execution, planners
 from gcm_learn.execution.arena.kernels.hands.scene import scene_of
 from gcm_learn.execution.arena.kernels.world import rules_in
 from gcm_learn.motion.rules import rules_of
+from gcm_learn.planners import get_planner
 from gcm_learn.scene.packing import pack
 from gcm_learn.situation.canonical import canonical
 
@@ -53,7 +43,7 @@ class Counter:
         self.time += 1.0
         self.hand += actions
         self.observations += 1.0
-        return np.where(self.time >= self.ends, LATE, RUNNING)
+        return np.where(self.time >= self.ends, execution.LATE, execution.RUNNING)
 
     def hold(self, arms):
         """Note who rests."""
@@ -62,8 +52,8 @@ class Counter:
 
 def test_any_plant_will_do_and_what_is_over_is_held():
     plant, seen = Counter(3), []
-    episodes = run_episode(Wanderer(0), plant, np.array([0, 2, 1]), seen.append)
-    assert episodes.outcomes.tolist() == [LATE] * 3
+    episodes = execution.run_episode(Wanderer(0), plant, np.array([0, 2, 1]), seen.append)
+    assert episodes.outcomes.tolist() == [execution.LATE] * 3
     assert episodes.steps.tolist() == [1, 3, 2] and episodes.times.tolist() == [1.0, 3.0, 2.0]
     assert plant.held == [[0], [0, 2], [0, 1, 2]]
     assert [step.arms.tolist() for step in seen] == [[0, 1, 2], [1, 2], [1]]
@@ -72,12 +62,20 @@ def test_any_plant_will_do_and_what_is_over_is_held():
 
 
 def test_one_arm_is_a_batch_of_one(scenes):
-    pool, settings = Pool.of(scenes), Settings()
+    pool, settings = execution.Pool.of(scenes), execution.Settings()
     places = np.arange(len(pool))
-    together = run_episode(Wanderer(1), KinematicPlant(pool, len(pool), settings), places)
-    assert {COLLIDED, LATE} <= set(together.outcomes.tolist()) <= {CAUGHT, COLLIDED, LATE}
+    together = execution.run_episode(
+        Wanderer(1), execution.KinematicPlant(pool, len(pool), settings), places
+    )
+    assert (
+        {execution.COLLIDED, execution.LATE}
+        <= set(together.outcomes.tolist())
+        <= {execution.CAUGHT, execution.COLLIDED, execution.LATE}
+    )
     for e in places[::3]:
-        alone = run_episode(Wanderer(1), KinematicPlant(pool, 1, settings), places[e : e + 1])
+        alone = execution.run_episode(
+            Wanderer(1), execution.KinematicPlant(pool, 1, settings), places[e : e + 1]
+        )
         assert alone.outcomes[0] == together.outcomes[e]
         for one, other in zip(alone.path(0), together.path(e), strict=True):
             np.testing.assert_array_equal(one, other)
@@ -87,19 +85,19 @@ def test_who_follows_plans_catches_as_planned(scenes):
     found = [canonical(s)[0] for s in scenes]
     plans = [planners.solve(s, "straight") for s in found]
     kept = [(s, p) for s, p in zip(found, plans, strict=True) if p.caught]
-    pool, settings, seen = Pool.of([s for s, _ in kept]), Settings(), []
-    agent = follower_of([p.trajectory for _, p in kept], pool, settings.dt)
-    plant = KinematicPlant(pool, len(pool), settings)
-    episodes = run_episode(agent, plant, np.arange(len(pool)), seen.append)
-    assert len(pool) > 4 and np.all(episodes.outcomes == CAUGHT)
+    pool, settings, seen = execution.Pool.of([s for s, _ in kept]), execution.Settings(), []
+    agent = execution.follower_of([p.trajectory for _, p in kept], pool, settings.dt)
+    plant = execution.KinematicPlant(pool, len(pool), settings)
+    episodes = execution.run_episode(agent, plant, np.arange(len(pool)), seen.append)
+    assert len(pool) > 4 and np.all(episodes.outcomes == execution.CAUGHT)
     planned = [p.catch_time for _, p in kept]
     np.testing.assert_allclose(episodes.times, planned, atol=2e-3)
-    ends = [step.rewards[step.outcomes == CAUGHT] for step in seen]
+    ends = [step.rewards[step.outcomes == execution.CAUGHT] for step in seen]
     assert np.concatenate(ends) == pytest.approx(1.0, abs=0.01)  # the reward of a catch
 
 
 def test_a_world_holds_the_scenes_that_it_was_made_of(scenes):
-    world = Pool.of(scenes).world
+    world = execution.Pool.of(scenes).world
     for s, drawn in enumerate(scenes):
         scene, situation = scene_of(world, s), canonical(drawn)[0]
         packed = pack(situation)
@@ -109,3 +107,22 @@ def test_a_world_holds_the_scenes_that_it_was_made_of(scenes):
         names = len(packed.bodies.rows)
         assert len(scene.bodies.rows) == names == len(situation.bodies)
         assert scene.bodies.angle_step == packed.bodies.angle_step
+
+
+def test_catches_of_planners_are_caught_in_the_arena(arms):
+    """When the plan does, or in the step after; with limits of acceleration too."""
+    planner = get_planner("layered")
+    plans = [planner.plan(situation) for situation in arms]
+    shown = [k for k, plan in enumerate(plans) if plan.caught and plan.trajectory.duration > 0.0]
+    pool = execution.Pool.of([arms[k] for k in shown])
+    ways = [plans[k].trajectory for k in shown]
+    plant = execution.KinematicPlant(pool, len(pool), execution.SpatialSettings())
+    episodes = execution.run_episode(
+        execution.follower_of(ways, pool, 0.02), plant, np.arange(len(pool))
+    )
+    caught = episodes.outcomes == execution.CAUGHT
+    late = episodes.times - [way.duration for way in ways]
+    assert caught.mean() > 0.6  # corners that steps cut spoil some
+    assert (late[caught] < 0.021).all()
+    slow = np.array([arms[k].arm.max_joint_acceleration is not None for k in shown])
+    assert caught[slow].any() or not slow.any()

@@ -8,33 +8,21 @@ import numpy as np
 import pytest
 
 from gcm_learn import families
-from gcm_learn.arms import Arm, SpatialArm
+from gcm_learn.arms import Arm, Base, SpatialArm
 from gcm_learn.execution import CAUGHT, COLLIDED, LATE, RUNNING, ExactPlant
 from gcm_learn.execution.loop import hand_leading, joint_leading
 from gcm_learn.execution.loop.joint_leading import at_first, begun, led, rest_of
 from gcm_learn.execution.loop.kinds import LEADS
 from gcm_learn.motion import Movement
 from gcm_learn.planners import get_planner
-from gcm_learn.scene import pack, pose
-from gcm_learn.situation import Body, Disc, PlanarQuadratic, Situation, SolidQuadratic, Sphere
+from gcm_learn.scene import pose
+from tests.worlds import REST, among, disc, solid_ball
 
 ARM = SpatialArm(
     upper_arm=(1.0, 0.0, 0.0), forearm=(1.0, 0.0, 0.0), joints=(0.0, 0.0, 0.0, 0.0),
     joint_range=((-2.0, 2.0),) * 4, max_joint_speed=(8.0,) * 4, grasp=0.05, thickness=0.1,
     max_joint_acceleration=(40.0,) * 4,
 )  # fmt: skip
-FAR = SolidQuadratic((9.0, 0.0, 0.0), (0.0,) * 3, (0.0,) * 3)
-
-
-def ball(name, place, velocity=(0.0, 0.0, 0.0), role="obstacle", radius=0.2):
-    return Body(role, name, Sphere(radius), SolidQuadratic(place, velocity, (0.0, 0.0, 0.0)))
-
-
-def world(*bodies, arm=ARM, horizon=1.0):
-    target = (
-        () if any(b.role == "target" for b in bodies) else (Body("target", "t", Sphere(0.1), FAR),)
-    )
-    return Situation("world", horizon, arm, bodies + target)
 
 
 def swing(rate=2.0, until=0.5):
@@ -47,7 +35,7 @@ def swing(rate=2.0, until=0.5):
 def test_it_is_where_the_trajectory_is():
     """In steps of any length, before, on and after the samples."""
     plan = begun(ARM, swing(), 0.13)
-    plant = ExactPlant(world())
+    plant = ExactPlant(among(ARM))
     for until in (0.1, 0.13, 0.2, 0.33, 0.63, 0.65, 0.9):
         plant.follow(plan, until)
         joints, rates, _ = plan.states_at(np.array([until]))
@@ -58,7 +46,7 @@ def test_it_is_where_the_trajectory_is():
 
 
 def test_who_jumps_is_refused():
-    plant = ExactPlant(world())
+    plant = ExactPlant(among(ARM))
     plant.follow(begun(ARM, swing(), 0.0), 0.2)
     with pytest.raises(ValueError, match=r"trajectory: is 0.* away from the arm at 0.2 s"):
         plant.follow(at_first(ARM), 0.3)
@@ -76,7 +64,7 @@ def test_a_moving_arm_touches_when_it_does():
     away = np.linalg.norm(place - s[:, None] * along, axis=1) - 0.2 - 0.1
     assert np.allclose(elbow * 2.0, hand)
     first = fine[np.flatnonzero(away <= 0.0)[0]]
-    plant = ExactPlant(world(post))
+    plant = ExactPlant(among(ARM, post))
     plant.follow(plan, 1.0)
     assert plant.outcome == COLLIDED and plant.time == pytest.approx(first, abs=1e-4)
     assert 0.05 < first < 0.45
@@ -87,7 +75,7 @@ def test_a_hand_that_moves_meets_on_a_curve():
     plan = begun(ARM, swing(4.0), 0.0)
     place = plan.hand_at(0.3)
     target = ball("target", tuple(place.tolist()), role="target", radius=0.02)
-    plant = ExactPlant(world(target))
+    plant = ExactPlant(among(ARM, target))
     plant.follow(plan, 1.0)
     fine = np.linspace(0.0, 0.3, 30001)
     away = np.linalg.norm(plan.hand_at(fine) - place, axis=1) - 0.02 - 0.05
@@ -138,7 +126,7 @@ def test_an_arm_without_limits_stops_at_once():
     """Its trajectories are linear, and after the end it rests."""
     arm = replace(ARM, max_joint_acceleration=None, joint_rates=None)
     linear = Movement(arm, np.array([0.0, 0.5]), np.array([[0.0] * 4, [0.0, 1.0, 0.0, 0.0]]))
-    plan, plant = begun(arm, linear, 0.1), ExactPlant(world(arm=arm))
+    plan, plant = begun(arm, linear, 0.1), ExactPlant(among(arm))
     for until, angle in ((0.1, 0.0), (0.2, 0.2), (0.6, 1.0), (0.9, 1.0)):
         plant.follow(plan, until)
         assert plant.arm.joints[1] == pytest.approx(angle)
@@ -147,7 +135,7 @@ def test_an_arm_without_limits_stops_at_once():
 
 def test_an_arm_that_moves_at_first_comes_to_rest():
     arm = replace(ARM, joint_rates=(0.0, 4.0, 0.0, -2.0))
-    plant = ExactPlant(world(arm=arm))
+    plant = ExactPlant(among(arm))
     plant.follow(at_first(arm), 0.5)
     assert not any(plant.arm.joint_rates)
     assert np.allclose(plant.arm.joints, [0.0, 0.2, 0.0, -0.05])
@@ -155,32 +143,21 @@ def test_an_arm_that_moves_at_first_comes_to_rest():
 
 def test_the_place_of_bodies_is_that_of_the_scene():
     """The world of a plant is the situation's own: a turned base changes nothing."""
-    turned = replace(
-        ARM, base=replace(ARM.base, origin=(1.0, 2.0, 3.0), rotation=(0.0, 0.0, 0.0, 1.0))
-    )
+    turned = replace(ARM, base=Base((1.0, 2.0, 3.0), (0.0, 0.0, 0.0, 1.0)))
     target = ball("target", (-1.0, 2.0, 3.0 + 0.35), (0.0, 0.0, -1.0), "target", 0.1)
-    situation = world(target, arm=turned)
+    situation = among(turned, target)
     assert pose(situation, 0, 0.0)[0] == pytest.approx((2.0, 0.0, 0.35))
     plant = ExactPlant(situation)
     assert at_first(turned).hand[0] == pytest.approx((-1.0, 2.0, 3.0))
     plant.follow(at_first(turned), 1.0)
     assert plant.catch_time == pytest.approx(0.2, abs=1e-3)
-    assert pack(situation).limits.horizon == 1.0
 
 
 HAND = Arm(hand=(1.5, 0.0), max_hand_speed=4.0, thickness=0.1, grasp=0.05)
 
 
-def disc(name, place, velocity=(0.0, 0.0), role="obstacle", radius=0.2):
-    return Body(role, name, Disc(radius), PlanarQuadratic(place, velocity, (0.0, 0.0)))
-
-
-def plane(*bodies):
-    """Return a planar situation, with a target out of reach if there is none."""
-    target = (
-        () if any(b.role == "target" for b in bodies) else (disc("t", (9.0, 0.0), role="target"),)
-    )
-    return Situation("plane", 1.0, HAND, bodies + target)
+def ball(name, place, velocity=REST, role="obstacle", radius=0.2):
+    return solid_ball(name, place, velocity, role, radius)
 
 
 def straight(until=0.5):
@@ -189,7 +166,7 @@ def straight(until=0.5):
     return Movement.of_hand(HAND, np.array([0.0, 0.6 * until, until]), hand)
 
 
-def resting(lead, made, arm, body, flies, stones):
+def resting(lead, arm, body, flies, stones):
     """Yield situations of an arm at rest with the outcome and its time.
 
     A target flies at its hand; of three stones one hits first, one later, one too late.
@@ -204,16 +181,16 @@ def resting(lead, made, arm, body, flies, stones):
         ((ball, later), CAUGHT, 0.5),
         ((late,), LATE, 1.0),
     ):
-        yield made(*bodies), at_rest, outcome, when
+        yield among(arm, *bodies), at_rest, outcome, when
 
 
 RESTING = {
     "space": (
-        joint_leading, world, ARM, ball, ((2.0, 1.15, 0.0), (0.0, -2.0, 0.0)),
+        joint_leading, ARM, ball, ((2.0, 1.15, 0.0), (0.0, -2.0, 0.0)),
         [((1.5, 1.5, 0.0), (0.0, -speed, 0.0)) for speed in (3.0, 2.0, 1.0)],
     ),
     "plane": (
-        hand_leading, plane, HAND, disc, ((1.5, 1.15), (0.0, -2.0)),
+        hand_leading, HAND, disc, ((1.5, 1.15), (0.0, -2.0)),
         [((2.6, 0.0), (-2.0, 0.0)), ((2.8, 0.0), (-1.0, 0.0)), ((2.8, 0.0), (-0.9, 0.0))],
     ),
 }  # fmt: skip
@@ -234,7 +211,7 @@ def test_what_comes_to_an_arm_at_rest_is_met_when_it_comes(arm, steps):
 def test_a_moving_hand_collides_when_it_does():
     """A post stands in the way out; nothing is touched on the way back."""
     plan = hand_leading.begun(HAND, straight(), 0.1)
-    plant = ExactPlant(plane(disc("post", (2.0, 0.0), radius=0.2)))
+    plant = ExactPlant(among(HAND, disc("post", (2.0, 0.0), radius=0.2)))
     plant.follow(plan, 1.0)
     assert plant.outcome == COLLIDED
     assert plant.time == pytest.approx(0.1 + 0.3 * 0.2 / 0.4, abs=1e-4)
