@@ -1,4 +1,4 @@
-"""What training reads: cache, stream and torch give the same maps as the records."""
+"""What training and other libraries read: the same maps and labels as the records."""
 
 from __future__ import annotations
 
@@ -105,13 +105,10 @@ def test_torch_streams_every_map_once_with_workers(workers, persistent, records,
 
     def passes():
         loader = DataLoader(
-            torch_data.TorchStream(records, 4, window=16),
-            batch_size=8,
-            num_workers=workers,
-            persistent_workers=persistent,
-            multiprocessing_context="spawn",
+            torch_data.TorchStream(records, 4, window=16), batch_size=8, num_workers=workers,
+            persistent_workers=persistent, multiprocessing_context="spawn",
             generator=torch.Generator().manual_seed(0),
-        )
+        )  # fmt: skip
         return [[int(k) for batch in loader for k in batch["index"]] for _ in range(2)]
 
     first, second = passes()
@@ -143,3 +140,24 @@ def test_caches_of_the_shipped_sample_are_the_users(records, tmp_path, monkeypat
     monkeypatch.setattr("gcm_learn.dataset.folder.user_cache", lambda name: tmp_path / name)
     monkeypatch.setattr("gcm_learn.dataset.folder.os.access", lambda *asked: False)
     assert records.cache().folder.parent == tmp_path / "maps"
+
+
+def test_hugging_face_loads_the_shards(records, tmp_path):
+    datasets = pytest.importorskip("datasets")
+    loaded = datasets.load_dataset(
+        "parquet", data_files=records.files, split="train", cache_dir=str(tmp_path)
+    )
+    assert len(loaded) == 50 and set(loaded.column_names) == set(records.table().column_names)
+    for k in (0, 27):
+        row, record = loaded[k], records[k]
+        assert row["index"] == record.index and row["stratum"] == record.stratum
+        np.testing.assert_array_equal(np.frombuffer(row["arrival"], "<u2"), record.counts.ravel())
+        path = record.plans["layered"].trajectory
+        assert row["plan_layered"]["time"] == (None if path is None else path.time.tolist())
+
+
+def test_pandas_gets_the_labels(records):
+    pytest.importorskip("pandas")
+    frame = dataset.open(records.folder.url).where(stratum="L").to_pandas(["index", "upper_arm"])
+    assert list(frame.columns) == ["index", "upper_arm"]
+    assert frame["upper_arm"].between(0.8, 1.2).all() and len(frame) > 5

@@ -26,8 +26,7 @@ from gcm_learn.dataset.shards import ShardInfo, make_shard, shard_name
 from gcm_learn.dataset.spec import spec_to_json
 from gcm_learn.errors import DatasetError
 from gcm_learn.processes import Here
-from tests.dataset.conftest import SMALL, make_here
-from tests.dataset.test_space import SPEC as SPACE
+from tests.dataset.conftest import SMALL, SPACE, make_here
 
 ROOT = Path(__file__).parents[2]
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import replace
 
 import numpy as np
@@ -13,6 +14,7 @@ from gcm_learn.dataset.folder import Folder
 from gcm_learn.dataset.item import case_of, make_item
 from gcm_learn.dataset.parameters import parameters_of, structure_of, twin_key
 from gcm_learn.dataset.shards import make_shard, shard_name
+from gcm_learn.dataset.splits import Split
 from gcm_learn.errors import SituationError
 from gcm_learn.families import random_planar
 from gcm_learn.families.random_solid import random_solid
@@ -129,3 +131,44 @@ def test_the_oracle_labels_what_it_is_asked_to(small):
     assert make_item(small, 0).oracle is None
     labelled = make_item(replace(small, label="oracle"), 0)
     assert labelled.stratum == labelled.oracle.stratum == found[0].oracle.stratum
+
+
+class Quick:
+    """A case that answers at once; only what a lot decides is of interest."""
+
+    def __init__(self, case):
+        self.situation, self.problem = case.situation, case.problem
+
+    def verdict(self, wanted):
+        return "L"
+
+    def plan(self, name):
+        raise AssertionError("no planner was asked for")
+
+    def map(self):
+        return None
+
+    def oracle(self):
+        return "labelled"
+
+
+@pytest.fixture
+def made(small, monkeypatch):
+    """Return items of which a half is audited, and a half is for tests, all by lot."""
+    case_of = items.case_of
+    monkeypatch.setattr(items, "case_of", lambda situation, spec: Quick(case_of(situation, spec)))
+    spec = replace(small, planners=(), map="none", audit=0.5, split=Split(0.2, 0.5), count=400)
+    return [make_item(spec, k) for k in range(120)]
+
+
+def test_audited_items_are_of_all_splits(made):
+    assert not any(item.error for item in made)
+    counts = Counter((item.split, item.oracle is not None) for item in made)
+    assert set(counts) == {(s, a) for s in ("train", "validation", "test") for a in (True, False)}
+    for audited in (True, False):
+        assert 18 < counts["test", audited] < 42, "a quarter of 120, within three deviations"
+
+
+def test_as_many_are_audited_as_asked_for(made):
+    assert 44 <= sum(item.oracle is not None for item in made) <= 76
+    assert 44 <= sum(item.split == "test" for item in made) <= 76

@@ -18,22 +18,13 @@ from gcm_learn.dataset.spec import DatasetSpec as Spec
 from tests.dataset.test_generation import Noting
 
 MIXED = DatasetSpec(
-    name="mixed",
-    seed=5,
-    count=60,
+    "mixed", seed=5, count=60, planners=("layered",), map="none", n=40, rungs=1, shard_size=30,
     families=(
         FamilyShare("moving-point", config={"obstacles": [1, 1]}),
-        FamilyShare("random-planar", config={"obstacles": [0, 2]}),
-        FamilyShare("gate"),
+        FamilyShare("random-planar", config={"obstacles": [0, 2]}), FamilyShare("gate"),
     ),
-    planners=("layered",),
-    map="none",
-    n=40,
-    rungs=1,
-    shard_size=30,
-    split=Split(validation=0.2, test=0.3),
-    holdouts=(Holdout("test-gate", family="gate"),),
-)
+    split=Split(validation=0.2, test=0.3), holdouts=(Holdout("test-gate", family="gate"),),
+)  # fmt: skip
 
 
 @pytest.fixture(scope="module")

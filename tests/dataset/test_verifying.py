@@ -33,24 +33,14 @@ def folder(small_folder, tmp_path):
     return Path(shutil.copytree(small_folder, tmp_path / "copy"))
 
 
-def test_a_good_one_is_good(small_folder):
-    report = verify_dataset(small_folder)
-    assert (report.faults, report.records, report.remade) == (0, 50, 3)
-    assert report.plans > 30
-
-
-def test_a_changed_byte_is_found(folder):
+def test_changed_bytes_and_missing_shards_are_found(folder):
     path = folder / shard_name(1)
     content = bytearray(path.read_bytes())
     content[len(content) // 3] ^= 1
     path.write_bytes(content)
-    report = verify_dataset(folder)
-    assert report.faults >= 1 and shard_name(1) in report.quoted[0]
-
-
-def test_missing_shards_are_found(folder):
-    (folder / shard_name(2)).unlink()
-    assert "shard-000002" in verify_dataset(folder).quoted[0]
+    assert shard_name(1) in verify_dataset(folder).quoted[0]
+    path.unlink()
+    assert "shard-000001" in verify_dataset(folder).quoted[0]
 
 
 def spoiled(spec, shard, folder, change):
@@ -109,22 +99,18 @@ def test_the_command_makes_checks_and_tells(tmp_path, capsys):
     assert "bytes, the manifest says" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize(
-    ("options", "said"),
-    [
-        (["--workers", "0"], "--workers 0"),
-        (["--shards", "4/4"], "--shards 4/4"),
-        (["--shards", "x"], "--shards x"),
-    ],
-)
-def test_the_command_refuses(options, said, tmp_path, capsys):
-    spec = tmp_path / "spec.json"
-    spec.write_text(json.dumps(spec_to_json(SMALL)))
-    assert main(["generate", str(spec), "--out", str(tmp_path / "out"), *options]) == 2
-    assert said in capsys.readouterr().err and not (tmp_path / "out").exists()
-    spec.write_text("{}")
-    assert main(["generate", str(spec), "--out", str(tmp_path / "out")]) == 2
-    assert capsys.readouterr().err.count("\n") == 1
+def test_the_command_refuses(tmp_path, capsys):
+    spec, out = tmp_path / "spec.json", tmp_path / "out"
+    for text, options, said in (
+        (json.dumps(spec_to_json(SMALL)), ["--workers", "0"], "--workers 0"),
+        (json.dumps(spec_to_json(SMALL)), ["--shards", "4/4"], "--shards 4/4"),
+        (json.dumps(spec_to_json(SMALL)), ["--shards", "x"], "--shards x"),
+        ("{}", [], "format: must be"),
+    ):
+        spec.write_text(text)
+        assert main(["generate", str(spec), "--out", str(out), *options]) == 2
+        told = capsys.readouterr().err
+        assert said in told and told.count("\n") == 1 and not out.exists()
 
 
 def test_rows_do_not_depend_on_their_neighbours(small):

@@ -20,8 +20,7 @@ from gcm_learn.dataset import generate
 from gcm_learn.dataset.folder import Folder
 from gcm_learn.errors import ClusterError
 from gcm_learn.processes import ClusterCrew
-from tests.dataset.conftest import SMALL, make_here
-from tests.dataset.test_space import SPEC
+from tests.dataset.conftest import SMALL, SPACE, make_here
 
 ROOT = Path(__file__).parents[2]
 
@@ -84,7 +83,7 @@ def assert_same(folder):
 
 @pytest.mark.slow
 def test_records_in_space_are_those_that_one_process_makes(tmp_path, cluster):
-    spec = replace(SPEC, effort=0.25, audit=0.1)
+    spec = replace(SPACE, effort=0.25, audit=0.1)
     make_here(spec, str(tmp_path / "here"))
     assert generate(spec, tmp_path / "cluster", cluster=cluster[0])["complete"]
     assert_same(tmp_path)
