@@ -9,37 +9,20 @@ import numpy as np
 import pytest
 
 from gcm_learn import seeding
+from gcm_learn import situation as records
 from gcm_learn.arms import Arm
-from gcm_learn.families import draw, family_names, get_family
-from gcm_learn.families.layout import (
-    CORNER,
-    Event,
-    elbow_at,
-    leaves_room,
-    on_the_way,
-    touches,
-    way_time,
-)
+from gcm_learn.families import draw, family_names, get_family, layout
 from gcm_learn.families.pieces import UPRIGHT, Piece, SpaceRanges, planar_body, solid_body
 from gcm_learn.motion.rules import start_clearance
 from gcm_learn.planners import get_planner
 from gcm_learn.scene.bodies import TOP_SPEED
 from gcm_learn.scene.packing import pack, pack_bodies, pose
-from gcm_learn.situation import (
-    Body,
-    Box,
-    Disc,
-    Pendulum,
-    PlanarQuadratic,
-    Situation,
-    SolidQuadratic,
-    Sphere,
-)
+from tests.worlds import disc, solid_ball
 
 PLANNERS = [get_planner(name) for name in ("straight", "marching", "layered")]
 STRATA = "LWQ"
-AWAY = Body("target", "away", Disc(0.1), PlanarQuadratic((9.0, 0.0), (0.0, 0.0), (0.0, 0.0)))
-AWAY_3D = Body("target", "away", Sphere(0.1), SolidQuadratic((9.0, 0, 0), (0, 0, 0), (0, 0, 0)))
+AWAY = disc("away", (9.0, 0.0), role="target", radius=0.1)
+AWAY_3D = solid_ball("away", (9.0, 0, 0), role="target", radius=0.1)
 
 
 def catches(situation):
@@ -79,12 +62,12 @@ def random_arm(rng):
 def test_what_touches_is_what_the_exact_clearance_says(seed):
     rng = seeding.rng(51, seed)
     piece, arm = random_piece(rng)._replace(when=0.0), random_arm(rng)
-    situation = Situation("s", 1.0, arm, (AWAY, planar_body(piece)))
+    situation = records.Situation("s", 1.0, arm, (AWAY, planar_body(piece)))
     clearance = start_clearance(pack(situation))
     if len(piece.size) == 1:
-        assert touches(piece, arm, arm.hand, 0.0) == (clearance <= 0.0)
-    elif touches(piece, arm, arm.hand, 0.0):
-        assert clearance <= CORNER * piece.size[1]  # a bar is rounded off outwards
+        assert layout.touches(piece, arm, arm.hand, 0.0) == (clearance <= 0.0)
+    elif layout.touches(piece, arm, arm.hand, 0.0):
+        assert clearance <= layout.CORNER * piece.size[1]  # a bar is rounded off outwards
     else:
         assert clearance > 0.0
 
@@ -93,16 +76,16 @@ def test_what_touches_is_what_the_exact_clearance_says(seed):
 def test_a_solid_is_where_its_planar_twin_is(seed):
     rng = seeding.rng(52, seed)
     piece, arm = random_piece(rng), random_arm(rng)
-    flat = Situation("s", 1.0, arm, (AWAY, planar_body(piece)))
+    flat = records.Situation("s", 1.0, arm, (AWAY, planar_body(piece)))
     firm = solid_body(rng, piece, SpaceRanges(), 3.0, firm=True)
-    solid = Situation("s", 1.0, arm, (AWAY_3D, firm), UPRIGHT)
+    solid = records.Situation("s", 1.0, arm, (AWAY_3D, firm), UPRIGHT)
     for t in (0.0, 0.4, 1.0):
         (origin, turn), (centre, rotation) = pose(flat, 1, t), pose(solid, 1, t)
         along = turn[:, 0]
         np.testing.assert_allclose(centre, origin + piece.offset * along, atol=1e-6)
         if len(piece.size) == 1:
             continue
-        axis = rotation[:, 0] if isinstance(firm.shape, Box) else rotation[:, 2]
+        axis = rotation[:, 0] if isinstance(firm.shape, records.Box) else rotation[:, 2]
         np.testing.assert_allclose(axis, along, atol=1e-6)
 
 
@@ -112,14 +95,14 @@ def test_solids_that_come_through_are_in_the_plane_at_their_time(seed):
     piece, arm = random_piece(rng), random_arm(rng)
     space = SpaceRanges(crossing=(1.0, 1.0), lean=(0.5, 0.5))
     body = solid_body(rng, piece, space, 3.0)
-    situation = Situation("s", 1.0, arm, (AWAY_3D, body), UPRIGHT)
+    situation = records.Situation("s", 1.0, arm, (AWAY_3D, body), UPRIGHT)
     centre, rotation = pose(situation, 1, piece.when)
     if not piece.offset:
         np.testing.assert_allclose(centre, (*piece.place, 0.0), atol=1e-6)
         speed = pose(situation, 1, piece.when + 0.1)[0][2] / 0.1
         assert abs(speed) == pytest.approx(3.0, rel=1e-6)
-    tilted = rotation[:, 2] if isinstance(body.shape, Box) or len(piece.size) == 1 else None
-    if tilted is not None and not isinstance(body.shape, Sphere):
+    tilted = rotation[:, 2] if isinstance(body.shape, records.Box) or len(piece.size) == 1 else None
+    if tilted is not None and not isinstance(body.shape, records.Sphere):
         assert abs(tilted[2]) == pytest.approx(math.cos(0.5), rel=1e-6)
 
 
@@ -127,17 +110,21 @@ def test_solids_that_come_through_are_in_the_plane_at_their_time(seed):
 def test_points_on_the_way_are_swept(seed):
     rng = seeding.rng(54, seed)
     arm, meet = random_arm(rng), (-0.6, 1.1)
-    event = Event(Piece("target", "t", (0.1,), meet), meet, 2.0 * way_time(arm, meet), 1.0, 1.0)
+    event = layout.Event(
+        Piece("target", "t", (0.1,), meet), meet, 2.0 * layout.way_time(arm, meet), 1.0, 1.0
+    )
     inside = float(seed % 2)
-    (x, y), when = on_the_way(rng, arm, event, (0.2, 0.8), inside)
+    (x, y), when = layout.on_the_way(rng, arm, event, (0.2, 0.8), inside)
     s = when / event.when
     hand = tuple(a + s * (b - a) for a, b in zip(arm.hand, meet, strict=True))
     point = Piece("obstacle", "p", (0.12,), (x, y))  # as far as a hand's length beyond the hand
-    assert 0.2 <= s <= 0.8 and touches(point, arm, hand, 0.0)
+    assert 0.2 <= s <= 0.8 and layout.touches(point, arm, hand, 0.0)
     if inside:
-        ex, ey = elbow_at(arm, hand)
+        ex, ey = layout.elbow_at(arm, hand)
         assert abs(x * ey - y * ex) < 1e-9 and math.hypot(x, y) <= arm.upper_arm + 1e-9
-    assert not leaves_room(point._replace(place=hand, when=0.0), arm, event._replace(meet=hand))
+    assert not layout.leaves_room(
+        point._replace(place=hand, when=0.0), arm, event._replace(meet=hand)
+    )
 
 
 SOLID = [name for name in family_names("planar") if name.endswith("-solid") or name == "pendulum"]
@@ -187,7 +174,7 @@ def test_hinged_bars_keep_one_end_in_place():
             assert body.motion.velocity == (0.0, 0.0) and abs(body.motion.spin) > 0.0
             assert min(x for x, _ in body.shape.vertices) == pytest.approx(0.0, abs=1e-12)
         for body in draw(solid, 4, k).obstacles:
-            assert isinstance(body.motion, Pendulum) and body.motion.gravity == 0.0
+            assert isinstance(body.motion, records.Pendulum) and body.motion.gravity == 0.0
             assert body.motion.hang_distance == pytest.approx(body.shape.half_length)
 
 
@@ -209,7 +196,7 @@ def test_the_ball_of_a_pendulum_is_in_the_plane_when_it_may_be_met():
         arm, when = situation.arm, []
         for t in np.linspace(0.0, situation.horizon, 400):
             centre = pose(situation, 0, t)[0]
-            here = way_time(arm, centre[:2])
+            here = layout.way_time(arm, centre[:2])
             when.append(abs(centre[2]) + abs(here - t))
         assert min(when) < 0.02  # the ball is in the plane just as the hand could be there
 
@@ -250,7 +237,7 @@ def test_a_cover_is_always_on_the_line_to_the_target():
             target, cover = (pose(situation, i, t)[0][:2] - hand for i in (0, index))
             shares.append(target @ cover / (target @ target))
             np.testing.assert_allclose(cover, shares[-1] * target, atol=1e-9)
-        assert 0.5 <= min(shares) and max(shares) <= 0.85 and np.ptp(shares) < 1e-9
+        assert min(shares) >= 0.5 and max(shares) <= 0.85 and np.ptp(shares) < 1e-9
 
 
 def opening(situation):
@@ -268,7 +255,7 @@ def opening(situation):
             place = place - half * place / np.linalg.norm(place)
         return math.sqrt(2.0 * (rho - np.linalg.norm(place)) / np.linalg.norm(pull))
     meet = np.array(pose(situation, 0, 0.0)[0][:2])
-    elbow = elbow_at(situation.arm, tuple(meet))
+    elbow = layout.elbow_at(situation.arm, tuple(meet))
     turn = math.atan2(place[0] * elbow[1] - place[1] * elbow[0], place @ np.array(elbow))
     return math.sqrt(2.0 * np.linalg.norm(place) * math.tan(abs(turn)) / np.linalg.norm(pull))
 

@@ -1,24 +1,19 @@
-"""The paper's scenes: valid, and what their docstrings promise."""
+"""The paper's scenes and the examples: valid, and what they are made to show."""
 
 from __future__ import annotations
 
+import dataclasses
 import math
 
 import numpy as np
 import pytest
 
 from gcm_learn.families import paper
+from gcm_learn.families.examples import gate_scene
 from gcm_learn.planners import solve
 from gcm_learn.scene.outlines import cut_outline
 from gcm_learn.scene.packing import pose
-from gcm_learn.situation import (
-    Box,
-    Disc,
-    Situation,
-    Sphere,
-    situation_from_json,
-    situation_to_json,
-)
+from gcm_learn.situation import Box, Disc, Situation, Sphere, situation_from_json, situation_to_json
 
 
 def body_index(situation: Situation, name: str) -> int:
@@ -32,23 +27,15 @@ def cut_at(situation: Situation, name: str, tau: float) -> np.ndarray:
 
 
 @pytest.mark.parametrize("name", paper.PAPER_SCENES)
-def test_scene_is_named_after_its_figure_and_survives_json(name):
+def test_a_scene_has_the_papers_arm_and_time_after_the_captions_contact(name):
     situation = paper.PAPER_SCENES[name]()
     assert situation.name == name
     assert situation_from_json(situation_to_json(situation)) == situation
-
-
-@pytest.mark.parametrize("name", paper.PAPER_SCENES)
-def test_horizon_leaves_room_after_the_captions_contact(name):
     instants = paper.CAPTION_INSTANTS.get(name, (0.0,))
-    assert paper.PAPER_SCENES[name]().horizon > 1.5 * instants[-1] * paper.KAPPA
-
-
-def test_every_scene_has_the_papers_arm():
-    for make in paper.PAPER_SCENES.values():
-        arm = make().arm
-        assert (arm.upper_arm, arm.elbow, arm.thickness) == (1.0, "right", 0.0)
-        assert arm.max_hand_speed == paper.HAND_SPEED
+    assert situation.horizon > 1.5 * instants[-1] * paper.KAPPA
+    arm = situation.arm
+    assert (arm.upper_arm, arm.elbow, arm.thickness) == (1.0, "right", 0.0)
+    assert arm.max_hand_speed == paper.HAND_SPEED
 
 
 def test_hand_speed_gives_the_papers_time_scale():
@@ -92,19 +79,13 @@ def test_fig2_images_overlap_and_obstacles_do_not():
     assert np.linalg.norm(disc - square) > situation.obstacles[0].shape.radius + corner
 
 
-def test_fig3_has_two_movers():
-    movers = paper.fig3().obstacles
+def test_fig3_has_two_movers_and_fig4_one_moving_point():
+    movers, (point,) = paper.fig3().obstacles, paper.fig4().obstacles
     assert len(movers) == 2
     assert all(np.hypot(*body.motion.velocity) > 1.0 for body in movers)
-
-
-def test_fig4_one_moving_point_and_a_target_at_rest():
-    situation = paper.fig4()
-    (point,), (goal,) = situation.obstacles, situation.targets
-    assert isinstance(point.shape, Disc)
-    assert point.shape.radius < paper.LATTICE_SPACING
+    assert isinstance(point.shape, Disc) and point.shape.radius < paper.LATTICE_SPACING
     assert np.hypot(*point.motion.velocity) > 0.5
-    assert goal.motion.velocity == (0.0, 0.0)
+    assert paper.fig4().targets[0].motion.velocity == (0.0, 0.0)
 
 
 def test_fig5_ball_falls_and_the_bar_cuts_the_plane_in_a_fixed_disc():
@@ -125,29 +106,22 @@ def test_fig5_scale_is_a_parameter():
     assert np.hypot(*centre[:2]) > 4 * situation.arm.reach
 
 
-def test_fig6_nothing_in_the_plane_at_20_both_at_60_and_100():
+def test_fig6_both_come_through_the_plane_from_opposite_sides_and_spin():
+    """Nothing is in the plane at 20, both are at 60 and 100; cross-sections vary."""
     situation = paper.fig6()
     for name in ("bar", "disk"):
         assert len(cut_at(situation, name, 20.0)) == 0
         assert len(cut_at(situation, name, 60.0)) > 2
         assert len(cut_at(situation, name, 100.0)) > 2
     assert len(cut_at(situation, "bar", 160.0)) > 2
-
-
-def test_fig6_opposite_directions_along_the_normal_and_spinning():
-    situation = paper.fig6()
+    sizes = [np.ptp(cut_at(situation, "disk", tau), axis=0) for tau in (60.0, 100.0)]
+    assert np.abs(sizes[0] - sizes[1]).max() > 0.05
     bar, disk = situation.targets[0].motion, situation.obstacles[0].motion
     normal = np.array(situation.plane.normal)
     for motion in (bar, disk):
         assert np.linalg.norm(np.cross(motion.velocity, normal)) < 1e-12
         assert np.linalg.norm(motion.spin) > 1.0
     assert np.dot(bar.velocity, normal) * np.dot(disk.velocity, normal) < 0.0
-
-
-def test_fig6_cross_sections_vary():
-    situation = paper.fig6()
-    sizes = [np.ptp(cut_at(situation, "disk", tau), axis=0) for tau in (60.0, 100.0)]
-    assert np.abs(sizes[0] - sizes[1]).max() > 0.05
 
 
 def test_fig8_box_and_cord_have_the_papers_size():
@@ -197,10 +171,13 @@ def test_fig8_released_at_rest_and_going_down():
 @pytest.mark.parametrize("name", paper.CAPTION_INSTANTS)
 def test_contact_comes_near_the_captions_instant(name):
     """On the paper's own lattice, within 15 %, and the catch is verified."""
-    plan = solve(paper.PAPER_SCENES[name](), "gcm")
+    situation = paper.PAPER_SCENES[name]()
+    plan = solve(situation, "gcm")
     assert plan.status == "caught"
     assert plan.map.lattice.n == 80
     assert plan.map.interception_tau == pytest.approx(paper.CAPTION_INSTANTS[name][-1], rel=0.15)
+    if name == "fig8":
+        assert len(cut_at(situation, "cord", plan.map.interception_tau)) > 2
 
 
 @pytest.mark.parametrize("name", paper.PAPER_SCENES)
@@ -210,7 +187,21 @@ def test_both_engines_catch_where_a_straight_line_fails(name):
     assert statuses == ["caught", "caught", "unreachable"]
 
 
-def test_fig8_the_cord_is_in_the_plane_at_the_contact():
-    situation = paper.fig8()
-    plan = solve(situation, "gcm")
-    assert len(cut_at(situation, "cord", plan.map.interception_tau)) > 2
+def test_the_gate_is_a_situation_of_the_exchange_format():
+    assert situation_from_json(situation_to_json(gate_scene())) == gate_scene()
+
+
+@pytest.mark.parametrize("planner", ["gcm", "marching", "straight", "straight-wait"])
+def test_who_cannot_wait_on_the_way_misses_the_ball(planner):
+    assert not solve(gate_scene(), planner).caught
+
+
+def test_the_hand_waits_for_the_gate_and_for_nothing_else():
+    scene = gate_scene()
+    plan = solve(scene, "layered")
+    assert plan.caught and plan.trajectory is not None
+    resting = sum(wait.duration for wait in plan.trajectory.waits())
+    assert resting > 0.2
+    open_ = solve(dataclasses.replace(scene, bodies=scene.targets), "layered")
+    assert open_.trajectory is not None and open_.trajectory.waits() == []
+    assert open_.catch_time < plan.catch_time - 0.2
