@@ -11,39 +11,40 @@ import pytest
 
 from gcm_learn import seeding
 from gcm_learn.arms import Arm
-from gcm_learn.charts import Lattice
+from gcm_learn.charts import Lattice, chart_of
 from gcm_learn.charts.extended import occupied_cells
 from gcm_learn.charts.lattice import hand_space
-from gcm_learn.errors import FileFormatError
+from gcm_learn.errors import ArmKindError, FileFormatError
 from gcm_learn.families.random_planar import random_planar
 from gcm_learn.families.random_solid import random_solid
-from gcm_learn.maps import CognitiveMap, Interception, build_map
-from gcm_learn.situation import Body, Disc, PlanarQuadratic, Situation
+from gcm_learn.maps import CognitiveMap, build_map, explore
+from gcm_learn.scene import pack
+from gcm_learn.situation import situation_from_json
 from gcm_learn.wave import MarchingParams, WaveParams
+from tests.charts.test_chart import CHAIN
+from tests.refusals import refusal
+from tests.situation.scenes import NAO
+from tests.worlds import among, disc
 
 ENGINES = {"wave": WaveParams(), "marching": MarchingParams()}
-REST = (0.0, 0.0)
-GOAL = Body("target", "goal", Disc(0.08), PlanarQuadratic((-0.9, 1.2), REST, REST))
-POST = Body("obstacle", "post", Disc(0.1), PlanarQuadratic((0.2, 0.9), REST, REST))
+GOAL = disc("goal", (-0.9, 1.2), role="target", radius=0.08)
+POST = disc("post", (0.2, 0.9), radius=0.1)
 ARM = Arm((1.3, 0.6), 3.4)
 
 
 def scene(*bodies, horizon=2.0, arm=ARM):
-    return Situation("scene", horizon, arm, bodies)
+    return among(arm, *bodies, horizon=horizon)
 
 
 def same(first, second):
     """Whether two maps hold the same, to the bit."""
-    return (
-        first.lattice == second.lattice
-        and first.hand == second.hand
-        and first.interception == second.interception
-        and first.kappa == second.kappa
-        and first.engine == second.engine
-        and np.array_equal(first.arrival.mask, second.arrival.mask)
-        and np.array_equal(first.arrival.compressed(), second.arrival.compressed())
-        and np.array_equal(first.effective_obstacles, second.effective_obstacles)
-        and np.array_equal(first.effective_target, second.effective_target)
+    names = ("lattice", "hand", "interception", "kappa", "engine")
+    arrays = [
+        (m.arrival.mask, m.arrival.compressed(), m.effective_obstacles, m.effective_target)
+        for m in (first, second)
+    ]
+    return all(getattr(first, name) == getattr(second, name) for name in names) and all(
+        map(np.array_equal, *arrays)
     )
 
 
@@ -54,9 +55,6 @@ def engine(request):
 
 def build(situation, engine, **changes):
     return build_map(situation, replace(ENGINES[engine], **changes))
-
-
-# --- what is in a map ------------------------------------------------------------------------
 
 
 def test_it_says_where_and_when_the_target_was_met(engine):
@@ -131,7 +129,7 @@ def test_contacts_can_be_ignored_for_a_while(engine):
 
 def test_a_target_behind_a_frozen_obstacle_is_no_contact(engine):
     """Erratum 13: frozen cells stay excited for ever, and a target crosses them later."""
-    over = Body("obstacle", "over", Disc(0.3), PlanarQuadratic((-0.9, 1.2), REST, REST))
+    over = disc("over", (-0.9, 1.2), radius=0.3)
     found = build(scene(GOAL, over), engine, until="horizon")
     assert found.effective_obstacles.any()
     assert found.interception is None
@@ -152,9 +150,6 @@ def test_arrays_must_fit_the_lattice():
     found = build(scene(GOAL), "marching")
     with pytest.raises(ValueError, match=r"arrival must be \(40, 40\), got \(80, 80\)"):
         replace(found, chart=Lattice(40))
-
-
-# --- saving and loading ----------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("case", ["contact", "none", "odd"])
@@ -214,10 +209,8 @@ def header_of(path, **changes):
 
 def refused(path):
     """The one-line error of loading a file, which must name it."""
-    with pytest.raises(FileFormatError) as error:
-        CognitiveMap.load(path)
-    message = str(error.value)
-    assert str(path) in message and "\n" not in message
+    message = refusal(FileFormatError, CognitiveMap.load, path)
+    assert str(path) in message
     return message
 
 
@@ -228,20 +221,21 @@ def test_a_file_cut_short_is_refused(saved, keep):
     refused(saved)
 
 
-@pytest.mark.parametrize("content", [b"hello", b"{}", b"\x80\x04]."])
-def test_another_kind_of_file_is_refused(saved, content):
-    saved.write_bytes(content)
-    refused(saved)
+def test_a_file_that_is_no_map_is_refused(saved):
+    """A pickle in it is not opened."""
+    other = header_of(saved, format="gcm-learn/map@9")
+    assert "gcm-learn/map@9" in refused(rewritten(saved, header=other))
+    refused(rewritten(saved, arrival=np.array([{"a": 1}], dtype=object)))
+    for content in (b"hello", b"{}", b"\x80\x04]."):
+        saved.write_bytes(content)
+        refused(saved)
+    with pytest.raises(FileNotFoundError):
+        CognitiveMap.load(saved.with_name("nowhere.npz"))
 
 
 @pytest.mark.parametrize("name", ["header", "arrival", "effective_obstacles", "effective_target"])
 def test_a_missing_array_is_refused_by_name(saved, name):
     assert name in refused(rewritten(saved, **{name: None}))
-
-
-def test_another_format_is_refused_by_name(saved):
-    other = header_of(saved, format="gcm-learn/map@9")
-    assert "gcm-learn/map@9" in refused(rewritten(saved, header=other))
 
 
 @pytest.mark.parametrize(
@@ -250,20 +244,6 @@ def test_another_format_is_refused_by_name(saved):
 )
 def test_a_header_that_does_not_fit_is_refused(saved, changes):
     refused(rewritten(saved, header=header_of(saved, **changes)))
-
-
-def test_pickles_are_not_opened(saved):
-    refused(rewritten(saved, arrival=np.array([{"a": 1}], dtype=object)))
-
-
-def test_a_missing_file_is_a_missing_file(tmp_path):
-    with pytest.raises(FileNotFoundError):
-        CognitiveMap.load(tmp_path / "nowhere.npz")
-
-
-def test_interceptions_compare_by_value():
-    first, second = (Interception((1, 2), (0.5, 0.25), 0.3, "a") for _ in range(2))
-    assert first == second
 
 
 @pytest.mark.parametrize("k", [8, 23])
@@ -281,3 +261,21 @@ def test_sheets_are_different_spans_in_which_a_cell_is_free(k):
         for iy, ix in np.argwhere(cells):
             between = (instants > before[iy, ix]) & (instants < after[iy, ix])
             assert occupied[between, iy, ix].any()
+
+
+SPACE, LINKS = situation_from_json(NAO), situation_from_json(CHAIN)
+WAVE, MARCHING = WaveParams(), MarchingParams()
+REFUSALS = [
+    (SPACE, WAVE, True, "a wave that may wait does not take spatial arms"),
+    (LINKS, WAVE, False, "a wave does not take chains"),
+    (LINKS, WAVE, True, "a wave that may wait does not take chains"),
+    (LINKS, MARCHING, True, "marching that may wait does not take chains"),
+]
+
+
+@pytest.mark.parametrize(("situation", "params", "wait", "message"), REFUSALS)
+def test_a_map_or_a_front_that_cannot_be_is_refused(situation, params, wait, message):
+    said = refusal(ArmKindError, build_map, situation, params, wait=wait)
+    assert said == f"{message} (situation {situation.name!r})"
+    chart = chart_of(situation, 20)
+    assert message in refusal(ArmKindError, explore, pack(situation), chart, params, wait=wait)

@@ -13,12 +13,11 @@ from gcm_learn.charts import Lattice
 from gcm_learn.families.random_planar import random_planar
 from gcm_learn.maps import CognitiveMap, build_map, descend
 from gcm_learn.motion import Movement
-from gcm_learn.situation import Body, Disc, PlanarQuadratic, Situation
 from gcm_learn.wave import MarchingParams, WaveParams
 from tests.planar_geometry import by_hand, nearest
+from tests.worlds import among, disc
 
 ENGINES = {"wave": WaveParams(), "marching": MarchingParams()}
-REST = (0.0, 0.0)
 
 
 @pytest.fixture(params=ENGINES)
@@ -26,13 +25,13 @@ def engine(request):
     return request.param
 
 
-def disc(role, radius, position):
-    return Body(role, f"{role} {position}", Disc(radius), PlanarQuadratic(position, REST, REST))
+def post(radius, place):
+    return disc("post", place, radius=radius)
 
 
 def scene(target, *obstacles, hand=(1.3, 0.6), horizon=3.0):
-    bodies = (disc("target", 0.08, target), *obstacles)
-    return Situation("scene", horizon, Arm(hand, 3.4), bodies)
+    goal = disc("target", target, role="target", radius=0.08)
+    return among(Arm(hand, 3.4), goal, *obstacles, horizon=horizon)
 
 
 def turning(points):
@@ -106,9 +105,9 @@ def test_it_stays_on_what_the_front_reached(engine, seed):
 def test_it_goes_round_an_obstacle(engine):
     """A disc right on the straight way: the arm has to be drawn in."""
     target, hand = (1.5, -1.0), (1.5, 1.0)
-    post = disc("obstacle", 0.2, (1.5, 0.0))
+    stone = post(0.2, (1.5, 0.0))
     free = descend(build_map(scene(target, hand=hand), ENGINES[engine]))[0]
-    around = descend(build_map(scene(target, post, hand=hand), ENGINES[engine]))[0]
+    around = descend(build_map(scene(target, stone, hand=hand), ENGINES[engine]))[0]
     assert np.abs(free[:, 0] - 1.5).max() < 0.08
     assert around[:, 0].min() < 1.3 and 1.01 < length(around) / length(free) < 1.2
 
@@ -170,9 +169,9 @@ def test_it_bends_round_masked_cells():
 
 
 def test_waves_and_marching_agree_on_the_way():
-    post = disc("obstacle", 0.1, (1.55, 0.1))
+    stone = post(0.1, (1.55, 0.1))
     ways = [
-        descend(build_map(scene((1.0, -1.1), post, hand=(1.0, 1.2)), params))[0]
+        descend(build_map(scene((1.0, -1.1), stone, hand=(1.0, 1.2)), params))[0]
         for params in ENGINES.values()
     ]
     assert length(ways[0]) == pytest.approx(length(ways[1]), rel=0.03)
@@ -181,8 +180,8 @@ def test_waves_and_marching_agree_on_the_way():
 
 
 def test_the_lattice_hardly_matters():
-    post = disc("obstacle", 0.1, (1.55, 0.1))
-    situation = scene((1.0, -1.1), post, hand=(1.0, 1.2))
+    stone = post(0.1, (1.55, 0.1))
+    situation = scene((1.0, -1.1), stone, hand=(1.0, 1.2))
     lengths = [
         length(descend(build_map(situation, replace(MarchingParams(), n=n)))[0])
         for n in (60, 80, 120)

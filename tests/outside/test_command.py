@@ -9,7 +9,9 @@ import pytest
 
 from gcm_learn import read_situations
 from gcm_learn.cli import main
-from gcm_learn.outside import CONVERTERS
+from gcm_learn.outside import CONVERTERS, MotionBenchMaker
+from gcm_learn.planners.registry import get_planner
+from tests.judging import judge
 from tests.outside.conftest import DATA
 
 SOURCES = {
@@ -28,6 +30,18 @@ def test_every_suite_is_written_as_situations(suite, tmp_path, capsys):
     assert stdout == "" and "the start is blocked" in stderr
 
 
+MOVING = MotionBenchMaker(moving=3).convert([SOURCES["motionbenchmaker"]]).situations
+
+
+@pytest.mark.parametrize("suite", [*CONVERTERS, "in motion"])
+def test_plans_keep_their_promise(suite):
+    made = MOVING if suite == "in motion" else CONVERTERS[suite]().convert([SOURCES[suite]])
+    for situation in getattr(made, "situations", made):
+        plan = get_planner("search").plan(situation)
+        assert judge(situation, plan) == []
+        assert plan.caught or suite in ("motionbenchmaker", "in motion")
+
+
 REFUSED = [
     (["hoops", "x"], "suite: 'hoops' is not one of motionbenchmaker, si-rrt, table-tennis"),
     (["si-rrt", SOURCES["si-rrt"], "--moving", "3"], "--moving: is no option of si-rrt"),
@@ -43,12 +57,18 @@ REFUSED = [
 ]
 
 
+def refused(capsys, *arguments):
+    """The one line with which `convert` ends."""
+    assert main(["convert", *map(str, arguments)]) == 2
+    stdout, stderr = capsys.readouterr()
+    assert stdout == "" and stderr.count("\n") == 1
+    return stderr
+
+
 @pytest.mark.parametrize(("arguments", "message"), REFUSED)
 def test_bad_arguments_are_refused_in_one_line(arguments, message, tmp_path, capsys):
     out = tmp_path / "out.jsonl"
-    assert main(["convert", *map(str, arguments), "--out", str(out)]) == 2
-    stdout, stderr = capsys.readouterr()
-    assert stdout == "" and stderr.count("\n") == 1 and message in stderr
+    assert message in refused(capsys, *arguments, "--out", out)
     assert not out.exists()
 
 
@@ -62,9 +82,7 @@ def test_damaged_files_are_refused_by_name(suite, damage, tmp_path, capsys):
     text = TEXTS[suite][: len(TEXTS[suite]) // 2] if damage is None else damage
     source, out = tmp_path / "scene.json", tmp_path / "out.jsonl"
     source.write_text(text, "utf-8")
-    assert main(["convert", suite, str(source), "--out", str(out)]) == 2
-    stdout, stderr = capsys.readouterr()
-    assert stdout == "" and stderr.count("\n") == 1 and "scene.json" in stderr
+    assert "scene.json" in refused(capsys, suite, source, "--out", out)
     assert not out.exists()
 
 
@@ -75,17 +93,15 @@ def test_damaged_scenes_are_refused_by_name(name, damage, tmp_path, capsys):
     shutil.copytree(DATA / "shelf", folder)
     text = (folder / name).read_text("utf-8")
     (folder / name).write_text(text[: len(text) // 2] if damage is None else damage, "utf-8")
-    command = ["convert", "motionbenchmaker", str(folder), "--out", str(out)]
-    assert main(command) == 0
+    command = ["motionbenchmaker", str(folder), "--out", str(out)]
+    assert main(["convert", *command]) == 0
     last = capsys.readouterr().err.splitlines()[-1]
     assert last.startswith("1 of 2 left out: ") and name in last
     assert [s.name for s in read_situations(out)] == ["shelf-0002"]
     for path in folder.glob("*0002.yaml"):
         path.unlink()
     out.unlink()
-    assert main(command) == 2
-    stdout, stderr = capsys.readouterr()
-    assert stdout == "" and stderr.count("\n") == 1 and name in stderr and not out.exists()
+    assert name in refused(capsys, *command) and not out.exists()
 
 
 def test_an_archive_goes_on_after_what_it_cannot_take(tmp_path, capsys):
@@ -143,10 +159,7 @@ def test_folders_without_problems_are_refused(suite, tmp_path, capsys):
     (tmp_path / "empty").mkdir()
     (tmp_path / "junk.tar").write_bytes(b"junk" * 100)
     for source in ("empty", "junk.tar"):
-        command = ["convert", suite, str(tmp_path / source), "--out", str(tmp_path / "out.jsonl")]
-        assert main(command) == 2
-        stdout, stderr = capsys.readouterr()
-        assert stdout == "" and stderr.count("\n") == 1 and source in stderr
+        assert source in refused(capsys, suite, tmp_path / source, "--out", tmp_path / "out.jsonl")
     assert not (tmp_path / "out.jsonl").exists()
 
 
@@ -156,14 +169,12 @@ def test_places_to_write_to_are_checked(tmp_path, capsys):
     source.write_text(text, "utf-8")
     old = tmp_path / "old.jsonl"
     old.write_text("old")
-    for arguments, message in (
-        ([source, "--out", source], "flying.json: is the file of SOURCE, too"),
-        ([source, "--out", tmp_path / "no" / "x.jsonl"], "x.jsonl: No such file or directory"),
-        ([source, "--out", tmp_path], ": is a directory"),
-        ([tmp_path / "none.json", "--out", old], "none.json: cannot be read"),
+    for given, out, message in (
+        (source, source, "flying.json: is the file of SOURCE, too"),
+        (source, tmp_path / "no" / "x.jsonl", "x.jsonl: No such file or directory"),
+        (source, tmp_path, ": is a directory"),
+        (tmp_path / "none.json", old, "none.json: cannot be read"),
     ):
-        assert main(["convert", "si-rrt", *map(str, arguments)]) == 2
-        stdout, stderr = capsys.readouterr()
-        assert stdout == "" and stderr.count("\n") == 1 and message in stderr
+        assert message in refused(capsys, "si-rrt", given, "--out", out)
     assert source.read_text("utf-8") == text and old.read_text() == "old"
     assert not (tmp_path / "no").exists()
