@@ -12,7 +12,6 @@ from numba.core import types
 from numba.core.typing.templates import AbstractTemplate, infer_global
 
 _TABLES: dict[Callable[..., Any], dict[type | None, Callable[..., Any]]] = {}
-_ALIKE: dict[type, type] = {}
 
 
 def by_type(table: Mapping[type | None, Callable[..., Any]]) -> Any:
@@ -28,7 +27,8 @@ def by_type(table: Mapping[type | None, Callable[..., Any]]) -> Any:
     """
 
     def chosen(first: Any, *rest: Any) -> Any:
-        return _entry(_TABLES[chosen], type(first))(first, *rest)
+        table = _TABLES[chosen]
+        return (table.get(type(first)) or table[None])(first, *rest)
 
     _TABLES[chosen] = dict(table)
     infer_global(chosen, types.Function(_template(chosen)))
@@ -50,17 +50,6 @@ def register(function: Any, kind: type | None, kernel: Any) -> None:
     _TABLES[function][kind] = kernel
 
 
-def register_alike(kind: type, other: type) -> None:
-    """Let tables without an entry for a NamedTuple take that of another, whose fields it has."""
-    _ALIKE[kind] = other
-
-
-def _entry(table: Mapping[type | None, Any], kind: type | None) -> Any:
-    """Return the entry for a type: its own, that of the type it is like, or that for all others."""
-    own = kind if kind is None or kind in table else _ALIKE.get(kind)
-    return table.get(own, table.get(None))
-
-
 def _template(function: Callable[..., Any]) -> type[AbstractTemplate]:
     """Return numba's question for the type and the code of a call, answered by an entry.
 
@@ -75,7 +64,7 @@ def _template(function: Callable[..., Any]) -> type[AbstractTemplate]:
 
         def generic(self, args: tuple[Any, ...], kws: dict[str, Any]) -> Any:
             kind = getattr(args[0], "instance_class", None)
-            kernel = _entry(table, kind)
+            kernel = table.get(kind, table.get(None))
             if kernel is None:
                 return None
             called = types.Dispatcher(kernel)

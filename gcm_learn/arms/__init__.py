@@ -11,7 +11,7 @@ from gcm_learn.arms.chain import (
     Link,
     unknown_obstacle,
 )
-from gcm_learn.arms.chain_limb import ChainLimb
+from gcm_learn.arms.chain_limb import ChainLimb, limb_of_chain
 from gcm_learn.arms.followers import Follows
 from gcm_learn.arms.kinds import (
     CHAIN,
@@ -26,7 +26,7 @@ from gcm_learn.arms.kinds import (
     register_kind,
     solution_format,
 )
-from gcm_learn.arms.kinematics import hand_speed, hands_along, links_along
+from gcm_learn.arms.kinematics import hand_speed, hands_along, links_along, off_segment
 from gcm_learn.arms.planar import ELBOWS, Arm
 from gcm_learn.arms.planar_limb import (
     SIDE,
@@ -48,7 +48,6 @@ from gcm_learn.arms.rotations import (
 from gcm_learn.arms.spatial import IDENTITY, JOINTS, OTHER_ARMS, Base, SpatialArm
 from gcm_learn.arms.spatial_limb import SpatialLimb, forward_in_space, spatial_limb_of
 from gcm_learn.arms.swivels import inverse_in_space, swivel_in_space
-from gcm_learn.arms.tree_limb import TreeLimb, limb_of_chain
 from gcm_learn.late import late_names
 
 if TYPE_CHECKING:
@@ -88,7 +87,6 @@ __all__ = [
     "SPATIAL",
     "SpatialArm",
     "SpatialLimb",
-    "TreeLimb",
     "chain_of",
     "elbow_of",
     "elbow_position",
@@ -106,6 +104,7 @@ __all__ = [
     "kinds",
     "limb_of_chain",
     "links_along",
+    "off_segment",
     "planar_limb_of",
     "quaternion_of",
     "read_robot",

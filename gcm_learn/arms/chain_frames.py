@@ -6,12 +6,48 @@ function.  So these kernels take the arrays that they need.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from gcm_learn.arms.curves import rate_of, turn_of
 from gcm_learn.compiled import njit
 
 REVOLUTE, PRISMATIC = 0.0, 1.0
+
+
+class Tree(NamedTuple):
+    """Branches and followers of a chain of k joints; a serial chain has None in its place."""
+
+    parents: np.ndarray  # (k,): frame on which each joint stands
+    leaders: np.ndarray  # (k,): coordinate of each joint
+    lines: np.ndarray  # (k, 2): factor and offset of each joint's value
+    depths: np.ndarray  # (m + 1,): joints that move each link, and last the hand
+    paths: np.ndarray  # (m + 1, k): these joints, from the base outwards
+
+
+@njit(_nrt=False, forceinline=True)
+def depth_of(tree, carriers, i):
+    """Number of the joints that move link i."""
+    return carriers[i] if tree is None else tree.depths[i]
+
+
+@njit(_nrt=False, forceinline=True)
+def moving(tree, i, step):
+    """Joint `step` of those that move link i, from the base outwards."""
+    return step if tree is None else tree.paths[i, step]
+
+
+@njit(_nrt=False, forceinline=True)
+def parent_of(tree, k):
+    """Frame on which joint k stands."""
+    return k if tree is None else tree.parents[k]
+
+
+@njit(_nrt=False, forceinline=True)
+def line_of(tree, k):
+    """Coordinate of joint k, and factor and offset of its value."""
+    return (k, 1.0, 0.0) if tree is None else (tree.leaders[k], tree.lines[k, 0], tree.lines[k, 1])
 
 
 @njit(_nrt=False)
@@ -35,16 +71,15 @@ def place_links(carriers, ends, frames, out, balls):
 
 
 @njit(_nrt=False)
-def place_frames(rows, q, frames, axes, parents):
-    """Write frames and axes.  The frame at hand is kept in numbers: arrays may overlap.
-
-    Without `parents`, None, every joint stands on the one before; else joint k on frame parents[k].
-    """
+def place_frames(rows, q, frames, axes, tree):
+    """Write frames and axes.  The frame at hand is kept in numbers: arrays may overlap."""
     a, b, c, d, e, f, g, h, i = 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0
     x, y, z = 0.0, 0.0, 0.0
-    for k in range(q.size):
-        if parents is not None and parents[k] != k:
-            p = parents[k]
+    for k in range(rows.shape[0]):
+        j, factor, offset = line_of(tree, k)
+        value = factor * q[j] + offset
+        p = parent_of(tree, k)
+        if p != k:
             a, b, c, x = frames[p, 0], frames[p, 1], frames[p, 2], frames[p, 9]
             d, e, f, y = frames[p, 3], frames[p, 4], frames[p, 5], frames[p, 10]
             g, h, i, z = frames[p, 6], frames[p, 7], frames[p, 8], frames[p, 11]
@@ -61,12 +96,12 @@ def place_frames(rows, q, frames, axes, parents):
         axes[k, 0], axes[k, 1], axes[k, 2] = x, y, z
         axes[k, 3], axes[k, 4], axes[k, 5] = c, f, i
         if rows[k, 0] == REVOLUTE:
-            u, v = np.cos(q[k]), np.sin(q[k])
+            u, v = np.cos(value), np.sin(value)
             a, d, g = u * ax + v * bx, u * ay + v * by, u * az + v * bz
             b, e, h = u * bx - v * ax, u * by - v * ay, u * bz - v * az
         else:
             a, d, g, b, e, h = ax, ay, az, bx, by, bz
-            x, y, z = x + c * q[k], y + f * q[k], z + i * q[k]
+            x, y, z = x + c * value, y + f * value, z + i * value
         frames[k + 1, 0], frames[k + 1, 1], frames[k + 1, 2] = a, b, c
         frames[k + 1, 3], frames[k + 1, 4], frames[k + 1, 5] = d, e, f
         frames[k + 1, 6], frames[k + 1, 7], frames[k + 1, 8] = g, h, i
@@ -82,7 +117,15 @@ def turned_by(axes, k, x, y, z):
 
 
 @njit(_nrt=False, forceinline=True)
-def travel_of(joints, axes, reaches, last, i, turns, rates, half, path):
+def moved_by(joints, axes, k, x, y, z):
+    """Velocity (3) of a point that joint k moves at a unit of rate."""
+    if joints[k, 0] == PRISMATIC:
+        return axes[k, 3], axes[k, 4], axes[k, 5]
+    return turned_by(axes, k, x, y, z)
+
+
+@njit(_nrt=False, forceinline=True)
+def travel_of(joints, axes, reaches, carriers, i, turns, rates, half, tree):
     """Bound how far points of link i travel from share s of a move to s +- half.
 
     There are two bounds; on a link the farther end bounds all points.
@@ -96,24 +139,21 @@ def travel_of(joints, axes, reaches, last, i, turns, rates, half, path):
 
     Parameters
     ----------
-    last : int
-        Number of the joints that carry the link.
     turns : (n,) ndarray
         Bound how far each joint turns.
     rates : (n,) ndarray
         Of the joints at s, per share.
-    path : (m, last) ndarray, optional
-        Joints that carry each link, from the base outwards; the first `last` without it.
     """
     way, stray, before = 0.0, 0.0, 0.0
     x, y, z = reaches[i, 0], reaches[i, 1], reaches[i, 2]
     u, v, w = reaches[i, 3], reaches[i, 4], reaches[i, 5]
     ax, ay, az, bx, by, bz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    last = depth_of(tree, carriers, i)
     for step in range(last):
-        k = step if path is None else path[i, step]
+        k = moving(tree, i, step)
         before += turns[k] if joints[k, 0] == REVOLUTE else 0.0
     for step in range(last - 1, -1, -1):
-        k = step if path is None else path[i, step]
+        k = moving(tree, i, step)
         if turns[k] > 0.0:
             if joints[k, 0] == PRISMATIC:
                 px, py, pz = axes[k, 3], axes[k, 4], axes[k, 5]
@@ -135,9 +175,10 @@ def travel_of(joints, axes, reaches, last, i, turns, rates, half, path):
 
 
 @njit(_nrt=False)
-def sweep_links(joints, axes, reaches, carriers, curve, s, half, turns, rates, ways):
+def sweep_links(joints, axes, reaches, carriers, curve, s, half, turns, rates, ways, tree):
     """Write how far points of each link travel into `ways` (m,); see `swept`."""
     for k in range(turns.size):
-        turns[k], rates[k] = turn_of(curve, k, s, half), rate_of(curve, k, s)
+        j, factor, _ = line_of(tree, k)
+        turns[k], rates[k] = abs(factor) * turn_of(curve, j, s, half), factor * rate_of(curve, j, s)
     for i in range(ways.size):
-        ways[i] = travel_of(joints, axes, reaches, carriers[i], i, turns, rates, half, None)
+        ways[i] = travel_of(joints, axes, reaches, carriers, i, turns, rates, half, tree)

@@ -16,6 +16,11 @@ from gcm_learn.arms.chain import Chain, ChainModel
 from gcm_learn.arms.chain_frames import (
     PRISMATIC,
     REVOLUTE,
+    Tree,
+    depth_of,
+    line_of,
+    moved_by,
+    moving,
     place_frames,
     place_links,
     sweep_links,
@@ -30,9 +35,9 @@ POINT, AXIS = 0, 3  # columns of `ChainLimb.reaches`
 
 
 class ChainLimb(NamedTuple):
-    """A chain as kernels read it, frame 0 at the origin."""
+    """A chain of k joints and n coordinates as kernels read it, frame 0 at the origin."""
 
-    joints: np.ndarray  # (n, 13): type, origin (3), rotation (9, row by row); z is the joint's axis
+    joints: np.ndarray  # (k, 13): type, origin (3), rotation (9, row by row); z is the joint's axis
     low: np.ndarray  # (n,) ends of the joints' ranges
     high: np.ndarray  # (n,)
     carriers: np.ndarray  # (m + 1,): frame that carries each link, and last the hand
@@ -46,29 +51,30 @@ class ChainLimb(NamedTuple):
     length: float  # unit of resolutions and safeties
     start: np.ndarray  # (n,) joints at t = 0
     rates: np.ndarray  # (n,) of the joints at t = 0
-    frames: np.ndarray  # (n + 1, 12): rotation (9), origin (3) of every frame; written by `place`
-    axes: np.ndarray  # (n, 6): a point on each joint's axis and its direction; written by `place`
+    frames: np.ndarray  # (k + 1, 12): rotation (9), origin (3) of every frame; written by `place`
+    axes: np.ndarray  # (k, 6): a point on each joint's axis and its direction; written by `place`
     reaches: np.ndarray  # (m + 1, 6): ends of the links, then hand and axis; written by `place`
     balls: np.ndarray  # (m, 4): centre, written by `place`, and radius of balls about the links
     near: np.ndarray  # (m,): links; written by `near_links`
     ways: np.ndarray  # (m,): how far points of each link travel; written by `swept`
-    turns: np.ndarray  # (n,): how far joints turn; written by `swept`
-    paces: np.ndarray  # (n,): rates of joints per share of a move; written by `swept`
+    turns: np.ndarray  # (k,): how far joints turn; written by `swept`
+    paces: np.ndarray  # (k,): rates of joints per share of a move; written by `swept`
+    tree: Tree | None  # branches and followers, if there are any
 
 
 @njit(_nrt=False, forceinline=True)
 def place(limb, q):
     """Write frames, axes and links at a posture (n,) into the limb's arrays."""
-    place_frames(limb.joints, q, limb.frames, limb.axes, None)
+    place_frames(limb.joints, q, limb.frames, limb.axes, limb.tree)
     place_links(limb.carriers, limb.ends, limb.frames, limb.reaches, limb.balls)
     return q.size
 
 
 @njit(_nrt=False)
 def travel(limb, i, turns, rates, half):
-    """Bound how far points of link i travel; see `travel_of`."""
+    """Bound how far points of link i travel, by all joints' turns; see `travel_of`."""
     return travel_of(
-        limb.joints, limb.axes, limb.reaches, limb.carriers[i], i, turns, rates, half, None
+        limb.joints, limb.axes, limb.reaches, limb.carriers, i, turns, rates, half, limb.tree
     )  # fmt: skip
 
 
@@ -133,7 +139,7 @@ def swept(limb, curve, s, half, place):
     """Note how far points of each link travel from share s of a move to s +- half."""
     sweep_links(
         limb.joints, limb.axes, limb.reaches, limb.carriers, curve, s, half, limb.turns,
-        limb.paces, limb.ways,
+        limb.paces, limb.ways, limb.tree,
     )  # fmt: skip
     return 0
 
@@ -146,19 +152,16 @@ def slack_of(limb, slack, i):
 
 @njit(_nrt=False)
 def hand_rate(limb, curve, s, q):
-    """Way of the hand per share of a move at share s; `q` (n,) gets the joints."""
+    """Way of the hand per share of a move at share s; `q` (n,) gets the coordinates."""
     on_curve(curve, s, q)
     place(limb, q)
-    hand, last = limb.radii.size, limb.carriers[limb.radii.size]
-    vx, vy, vz = 0.0, 0.0, 0.0
-    for k in range(last):
-        rate = rate_of(curve, k, s)
-        ax, ay, az = limb.axes[k, 3], limb.axes[k, 4], limb.axes[k, 5]
-        if limb.joints[k, 0] == REVOLUTE:
-            x = limb.reaches[hand, 0] - limb.axes[k, 0]
-            y = limb.reaches[hand, 1] - limb.axes[k, 1]
-            z = limb.reaches[hand, 2] - limb.axes[k, 2]
-            ax, ay, az = ay * z - az * y, az * x - ax * z, ax * y - ay * x
+    hand, vx, vy, vz = limb.radii.size, 0.0, 0.0, 0.0
+    x, y, z = hand_of(limb, 0)
+    for step in range(depth_of(limb.tree, limb.carriers, hand)):
+        k = moving(limb.tree, hand, step)
+        j, factor, _ = line_of(limb.tree, k)
+        ax, ay, az = moved_by(limb.joints, limb.axes, k, x, y, z)
+        rate = factor * rate_of(curve, j, s)
         vx, vy, vz = vx + rate * ax, vy + rate * ay, vz + rate * az
     return np.sqrt(vx * vx + vy * vy + vz * vz)
 
@@ -184,10 +187,12 @@ def hand_bound(limb, rates):
 @njit(_nrt=False)
 def axis_bound(limb, rates):
     """Bound of the angular speed of the hand's axis."""
-    speed = 0.0
-    for k in range(limb.carriers[limb.radii.size]):
+    hand, speed = limb.radii.size, 0.0
+    for step in range(depth_of(limb.tree, limb.carriers, hand)):
+        k = moving(limb.tree, hand, step)
         if limb.joints[k, 0] == REVOLUTE:
-            speed += rates[k]
+            j, factor, _ = line_of(limb.tree, k)
+            speed += abs(factor) * rates[j]
     return speed
 
 
@@ -199,20 +204,37 @@ def reach_of(limb):
 
 @njit(_nrt=False)
 def lever(limb):
-    """Bound of the hand's way for a unit of any joint; at least 1, as of prismatic joints."""
-    return max(limb.reach, 1.0)
+    """Bound of the hand's derivatives of all orders up to 3, for a unit of any coordinate.
+
+    Each order turns the arm once more, by all joints of a coordinate; at most one joint slides.
+    """
+    hand, moves, spins = limb.radii.size, 1.0, 1.0
+    for coordinate in range(0 if limb.tree is None else limb.low.size):
+        moved, spun = 0.0, 0.0
+        for step in range(depth_of(limb.tree, limb.carriers, hand)):
+            k = moving(limb.tree, hand, step)
+            j, factor, _ = line_of(limb.tree, k)
+            if j == coordinate:
+                moved += abs(factor)
+                spun += abs(factor) if limb.joints[k, 0] == REVOLUTE else 0.0
+        moves, spins = max(moves, moved), max(spins, spun)
+    return max(limb.reach, 1.0) * moves * spins * spins
 
 
 @njit(_nrt=False)
 def axis_turns(limb, q, out):
     """Write the derivative of the hand's axis, after `place`, into `out` (3, n)."""
-    hand, last = limb.radii.size, limb.carriers[limb.radii.size]
-    x, y, z = limb.reaches[hand, 3], limb.reaches[hand, 4], limb.reaches[hand, 5]
-    for k in range(limb.low.size):
-        ax, ay, az = limb.axes[k, 3], limb.axes[k, 4], limb.axes[k, 5]
-        if k >= last or limb.joints[k, 0] == PRISMATIC:
-            ax, ay, az = 0.0, 0.0, 0.0
-        out[0, k], out[1, k], out[2, k] = ay * z - az * y, az * x - ax * z, ax * y - ay * x
+    x, y, z = axis_of(limb, 0)
+    out[:] = 0.0
+    hand = limb.radii.size
+    for step in range(depth_of(limb.tree, limb.carriers, hand)):
+        k = moving(limb.tree, hand, step)
+        if limb.joints[k, 0] == REVOLUTE:
+            j, factor, _ = line_of(limb.tree, k)
+            ax, ay, az = limb.axes[k, 3], limb.axes[k, 4], limb.axes[k, 5]
+            out[0, j] += factor * (ay * z - az * y)
+            out[1, j] += factor * (az * x - ax * z)
+            out[2, j] += factor * (ax * y - ay * x)
 
 
 @njit(_nrt=False)
@@ -240,18 +262,17 @@ def inverts(limb):
 
 @njit(_nrt=False)
 def jacobian(limb, q, out):
-    """Write the derivative of the hand by the joints (n,), after `place`, into `out` (3, n)."""
-    hand, last = limb.radii.size, limb.carriers[limb.radii.size]
-    for k in range(limb.joints.shape[0]):
-        ax, ay, az = limb.axes[k, 3], limb.axes[k, 4], limb.axes[k, 5]
-        x = limb.reaches[hand, 0] - limb.axes[k, 0]
-        y = limb.reaches[hand, 1] - limb.axes[k, 1]
-        z = limb.reaches[hand, 2] - limb.axes[k, 2]
-        if k >= last:
-            ax, ay, az = 0.0, 0.0, 0.0
-        if limb.joints[k, 0] == REVOLUTE:
-            ax, ay, az = ay * z - az * y, az * x - ax * z, ax * y - ay * x
-        out[0, k], out[1, k], out[2, k] = ax, ay, az
+    """Write the derivative of the hand by the coordinates, after `place`, into `out` (3, n)."""
+    x, y, z = hand_of(limb, 0)
+    out[:] = 0.0
+    hand = limb.radii.size
+    for step in range(depth_of(limb.tree, limb.carriers, hand)):
+        k = moving(limb.tree, hand, step)
+        j, factor, _ = line_of(limb.tree, k)
+        ax, ay, az = moved_by(limb.joints, limb.axes, k, x, y, z)
+        out[0, j] += factor * ax
+        out[1, j] += factor * ay
+        out[2, j] += factor * az
 
 
 def _tails(arm: Chain) -> np.ndarray:
@@ -266,7 +287,7 @@ def _tails(arm: Chain) -> np.ndarray:
     return tails @ np.abs(model.factors)
 
 
-def chain_limb_of(arm: Chain, bodies: tuple[str, ...] = ()) -> ChainLimb:
+def limb_of_chain(arm: Chain, bodies: tuple[str, ...] = ()) -> ChainLimb:
     """Return a chain as kernels read it.
 
     Parameters
@@ -307,6 +328,24 @@ def chain_limb_of(arm: Chain, bodies: tuple[str, ...] = ()) -> ChainLimb:
         ways=np.zeros(m),
         turns=np.zeros(count),
         paces=np.zeros(count),
+        tree=None if model.serial else _tree(model),
+    )
+
+
+def _tree(model: ChainModel) -> Tree:
+    """Return branches and followers of a chain as kernels read them."""
+    paths = [
+        model.path(frame) for frame in [*(link.joint for link in model.links), model.hand.joint]
+    ]
+    table = np.zeros((len(paths), len(model.joints)), dtype=np.int64)
+    for row, path in zip(table, paths, strict=True):
+        row[: len(path)] = path
+    return Tree(
+        parents=np.array([model.parent(k) for k in range(len(model.joints))]),
+        leaders=np.array([line.coordinate for line in model.lines]),
+        lines=np.array([[line.factor, line.offset] for line in model.lines]),
+        depths=np.array([len(path) for path in paths]),
+        paths=table,
     )
 
 

@@ -64,16 +64,13 @@ class JointTree:
             if joint.parent is not None and not 0 <= joint.parent <= k:
                 reason = f"must be from 0 to {k}, a frame before the joint's (got {joint.parent})"
                 raise SituationError(f"joints[{k}].parent", reason)
-            if joint.follows is not None:
-                self._check_leader(k, joint.follows.joint)
-
-    def _check_leader(self, k: int, leader: int) -> None:
-        field = f"joints[{k}].follows.joint"
-        if not 1 <= leader <= k:
-            known = f"from 1 to {k}, a joint before it" if k else "a joint before it"
-            raise SituationError(field, f"must be {known} (got {leader})")
-        if self.joints[leader - 1].follows is not None:
-            raise SituationError(field, f"is a joint that follows another itself (got {leader})")
+            leader, field = getattr(joint.follows, "joint", 1), f"joints[{k}].follows.joint"
+            if joint.follows is not None and not 1 <= leader <= k:
+                known = f"from 1 to {k}, a joint before it" if k else "a joint before it"
+                raise SituationError(field, f"must be {known} (got {leader})")
+            if joint.follows is not None and self.joints[leader - 1].follows is not None:
+                reason = f"is a joint that follows another itself (got {leader})"
+                raise SituationError(field, reason)
 
     def check_limits(self, field: str) -> None:
         """Refuse a limit that only some of the joints with a coordinate have."""
@@ -89,10 +86,10 @@ class JointTree:
     def check_start(self, posture: Sequence[float]) -> None:
         """Refuse a posture (n,) that puts a follower outside its own range."""
         for k, (joint, line) in enumerate(zip(self.joints, self.lines, strict=True)):
-            low, high = joint.range
             value = line.factor * posture[line.coordinate] + line.offset
-            within = low - _hair(low) <= value <= high + _hair(high)
-            if not line.leads and not within:
+            low, high = joint.range
+            hairs = [HAIR * max(1.0, abs(end)) for end in joint.range]
+            if not line.leads and not low - hairs[0] <= value <= high + hairs[1]:
                 name = f"joints[{k}]" + (f" ({quote(joint.name)})" if joint.name else "")
                 reason = f"puts its follower {name} at {value:.9g}, outside [{low}, {high}]"
                 raise SituationError(f"posture[{line.coordinate}]", reason)
@@ -144,11 +141,7 @@ class JointTree:
 
     def path(self, frame: int) -> tuple[int, ...]:
         """Return the joints that move a frame, from the base outwards."""
-        path: tuple[int, ...] = ()
-        while frame > 0:
-            path = (frame - 1, *path)
-            frame = self.parent(frame - 1)
-        return path
+        return (*self.path(self.parent(frame - 1)), frame - 1) if frame > 0 else ()
 
     @cached_property
     def _bound(self) -> tuple[tuple[Any, Line], ...]:
@@ -174,7 +167,3 @@ class JointTree:
             if limit is not None:
                 limits[line.coordinate] = min(limits[line.coordinate], limit / abs(line.factor))
         return tuple(limits)
-
-
-def _hair(bound: float) -> float:
-    return HAIR * max(1.0, abs(bound))

@@ -7,12 +7,11 @@ from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
 
 from gcm_learn.arms.chain import Chain
-from gcm_learn.arms.chain_limb import ChainLimb
+from gcm_learn.arms.chain_limb import ChainLimb, limb_of_chain
 from gcm_learn.arms.planar import Arm
 from gcm_learn.arms.planar_limb import PlanarLimb, planar_limb_of
 from gcm_learn.arms.spatial import SpatialArm
 from gcm_learn.arms.spatial_limb import SpatialLimb, spatial_limb_of
-from gcm_learn.arms.tree_limb import TreeLimb, limb_of_chain
 from gcm_learn.errors import ArmKindError, not_among
 
 Entry = TypeVar("Entry")
@@ -76,7 +75,6 @@ def register_kind(kind: Kind) -> None:
 
 for _kind in (PLANAR, SPATIAL, CHAIN):
     register_kind(_kind)
-_BY_TYPE[TreeLimb] = CHAIN
 
 
 def kinds() -> tuple[Kind, ...]:

@@ -70,6 +70,14 @@ def links_along(arm: Any, joints: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
     return _in_world(arm, links.reshape(len(links), -1, 2, 3)), radii
 
 
+def off_segment(points: np.ndarray, start: ArrayLike, end: ArrayLike) -> np.ndarray:
+    """Return distances (k,) of points (k, 3) from the segment between two others (3,)."""
+    axis, off = np.subtract(end, start), points - np.asarray(start)
+    share = np.clip(off @ axis / max(float(axis @ axis), 1e-300), 0.0, 1.0)
+    off = off - share[:, None] * axis
+    return np.sqrt((off * off).sum(axis=1))
+
+
 def hands_along(arm: Any, joints: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
     """Return the hand of an arm at postures (k, n), and the axis along which it reaches.
 

@@ -12,11 +12,10 @@ from collections.abc import Callable
 from functools import wraps
 from typing import Any
 
-from gcm_learn.arms import chain_limb, spatial_limb, swivels, tree_limb
+from gcm_learn.arms import chain_limb, spatial_limb, swivels
 from gcm_learn.arms.chain_limb import ChainLimb
 from gcm_learn.arms.spatial_limb import SpatialLimb
-from gcm_learn.arms.tree_limb import TreeLimb
-from gcm_learn.dispatch import by_type, register, register_alike
+from gcm_learn.dispatch import by_type, register
 
 _FUNCTIONS: dict[str, Any] = {}
 
@@ -178,5 +177,3 @@ register_limb(
     jacobian=spatial_limb.hand_jacobian,
 )
 register_limb(ChainLimb, chain_limb)
-register_limb(TreeLimb, tree_limb, chain_limb)
-register_alike(TreeLimb, ChainLimb)

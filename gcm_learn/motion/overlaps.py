@@ -9,7 +9,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from gcm_learn.arms import CHAIN, IDENTITY, PLANAR, SPATIAL, ByKind, elbow_position, links_along
+from gcm_learn import arms
+from gcm_learn.arms import CHAIN, IDENTITY, PLANAR, SPATIAL, ByKind, off_segment
 from gcm_learn.motion.failures import Failure, Reason
 from gcm_learn.motion.rules import start_clearance
 from gcm_learn.scene import Scene, gap, poses_at
@@ -41,11 +42,11 @@ def _overlaps(situation: AnySituation, scene: Scene) -> Iterator[_Overlap]:
         centre, turn = poses[b, :3], poses[b, 3:].reshape(3, 3)
         for i, axis in enumerate((axes - centre) @ turn):
             if body.role == "obstacle" and (i, body.name) not in ignored:
-                off = _to_segment(axis, np.zeros((1, 3)))[0] - body.shape.bounding_radius
+                off = off_segment(np.zeros((1, 3)), *axis)[0] - body.shape.bounding_radius
                 off = _least(partial(_gaps, bodies, b), axis) if off <= radii[i] else off
                 yield radii[i] - off, kind.name(arm, i), repr(body.name)
     for i, j in arm.model.self_collision if hasattr(arm, "model") else ():
-        off = _least(partial(_to_segment, axes[j]), axes[i])
+        off = _least(partial(off_segment, start=axes[j, 0], end=axes[j, 1]), axes[i])
         yield radii[i] + radii[j] - off, kind.name(arm, i), kind.name(arm, j)
     if kind.itself:
         yield -0.999 * start_clearance(scene), "the limb", "itself"
@@ -68,16 +69,9 @@ def _gaps(bodies: Any, b: int, points: np.ndarray) -> np.ndarray:
     return np.array([gap(bodies, b, *point) for point in points])
 
 
-def _to_segment(axis: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """Return distances (k,) of points (k, 3) to a segment (2, 3)."""
-    d, off = axis[1] - axis[0], points - axis[0]
-    share = np.clip(off @ d / max(float(d @ d), 1e-300), 0.0, 1.0)
-    return np.linalg.norm(off - share[:, None] * d, axis=1)
-
-
 def _planar_links(arm: Any) -> tuple[np.ndarray, np.ndarray]:
     """Return ends (2, 2, 3) and radii (2,) of upper arm and forearm."""
-    elbow = elbow_position(arm.hand, arm.upper_arm, arm.elbow)
+    elbow = arms.elbow_position(arm.hand, arm.upper_arm, arm.elbow)
     joints = np.zeros((3, 3))
     joints[1, :2], joints[2, :2] = elbow, arm.hand
     return np.stack([joints[:2], joints[1:]], axis=1), np.full(2, arm.thickness)
@@ -85,7 +79,7 @@ def _planar_links(arm: Any) -> tuple[np.ndarray, np.ndarray]:
 
 def _links(arm: Any) -> tuple[np.ndarray, np.ndarray]:
     """Return ends (m, 2, 3) in the frame of the base and radii (m,) of an arm's links."""
-    ends, radii = links_along(replace(arm, base=IDENTITY), [arm.joints])
+    ends, radii = arms.links_along(replace(arm, base=IDENTITY), [arm.joints])
     return ends[0], radii
 
 

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, ClassVar, Protocol
 
 import numpy as np
 
-from gcm_learn.arms import Base, Chain, ChainModel, hands_along
-from gcm_learn.errors import GcmError, SituationError
+from gcm_learn.arms import Base, Chain, ChainModel, hands_along, off_segment
+from gcm_learn.errors import FileFormatError, GcmError, SituationError
 from gcm_learn.motion import Movement, rules_of, start_clearance, verify
 from gcm_learn.scene import gap, pack, pose
 from gcm_learn.situation import (
@@ -56,6 +57,14 @@ class Converted:
         self.counts[sentence] = self.counts.get(sentence, 0) + bool(applies)
         self.asked[sentence] = self.asked.get(sentence, 0) + 1
         return applies
+
+    @contextmanager
+    def leaving_out(self) -> Iterator[None]:
+        """Note the error of a problem that cannot be taken, and go on."""
+        try:
+            yield
+        except (FileFormatError, SituationError) as error:
+            self.left_out.append(error)
 
     def notes(self) -> Iterator[str]:
         """Yield lines such as ``3 of 700: the start is blocked``."""
@@ -176,12 +185,5 @@ def fingers(model: ChainModel) -> list[int]:
         k
         for k, link in enumerate(model.links)
         if link.joint == model.hand.joint
-        and _to_segment(model.hand.point, link.start, link.end) <= link.radius
+        and off_segment(np.array([model.hand.point]), link.start, link.end)[0] <= link.radius
     ]
-
-
-def _to_segment(point: Sequence[float], start: Sequence[float], end: Sequence[float]) -> float:
-    p, a, b = map(np.array, (point, start, end))
-    length = float((b - a) @ (b - a))
-    share = np.clip((p - a) @ (b - a) / length, 0.0, 1.0) if length > 0.0 else 0.0
-    return float(np.linalg.norm(p - a - share * (b - a)))

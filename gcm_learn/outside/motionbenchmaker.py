@@ -25,7 +25,7 @@ from gcm_learn.outside.converted import (
 from gcm_learn.outside.in_motion import in_motion
 from gcm_learn.outside.moveit import base_of, bodies_of, goal_of, posture_of, start_of
 from gcm_learn.outside.nodes import Node
-from gcm_learn.outside.sources import Refused, texts, yaml_node
+from gcm_learn.outside.sources import Careful, texts, yaml_node
 from gcm_learn.seeding import rng
 from gcm_learn.situation import Situation
 
@@ -67,15 +67,13 @@ class MotionBenchMaker:
         non_negative(0 if self.moving is None else self.moving, "moving")
         result, names = Converted(), set()
         for source in sources:
-            for name, files in _problems(source, result.left_out.append):
-                try:
+            for name, files in _problems(source, result.leaving_out):
+                with result.leaving_out():
                     scene, request = _pair(files)
                     if name in names:
                         raise scene.error(f"there is another problem {quote(name)}")
                     result.situations.append(self._convert(name, scene, request, result))
                     names.add(name)
-                except (FileFormatError, SituationError) as error:
-                    result.left_out.append(error)
         return result.at_least_one()
 
     def _convert(
@@ -111,10 +109,10 @@ class MotionBenchMaker:
             raise scene.at("robot_model_name").error(reason) from None
 
 
-def _problems(source: Path, refused: Refused) -> Iterator[tuple[str, Files]]:
+def _problems(source: Path, careful: Careful) -> Iterator[tuple[str, Files]]:
     """Return name and files of every problem of a folder or an archive."""
     found: dict[tuple[str, str], Files] = {}
-    for file, text in texts(source, FILES, refused):
+    for file, text in texts(source, FILES, careful):
         path = Path(file)
         match = re.fullmatch(FILES, path.name)
         if match is None:

@@ -11,7 +11,7 @@ import numpy as np
 
 from gcm_learn.arms import Base, Chain, ChainModel
 from gcm_learn.checks import positive, quote
-from gcm_learn.errors import FileFormatError, SituationError
+from gcm_learn.errors import SituationError
 from gcm_learn.outside.converted import (
     GRASP,
     REST,
@@ -76,19 +76,16 @@ class SiRrt:
     def convert(self, sources: Sequence[Path]) -> Converted:
         """Return a situation for each scene."""
         result, model = Converted(), model_named(self.arm or "xarm6")
-        for scene in json_nodes(sources, FILES, result.left_out.append):
+        for scene in json_nodes(sources, FILES, result.leaving_out):
             name = Path(scene.file).name.split(".json")[0]
             taken = {situation.name for situation in result.situations}
             name = name if name not in taken else f"{name}-{len(taken) + 1}"
-            try:
+            with result.leaving_out():
                 situation, goal = self._convert(name, scene, model)
-            except (FileFormatError, SituationError) as error:
-                result.left_out.append(error)
-                continue
-            result.count("the start is blocked", is_blocked(situation))
-            ended = goal_is_blocked(at_end(situation), goal)
-            result.count("the goal posture is blocked at the end", ended)
-            result.situations.append(situation)
+                result.count("the start is blocked", is_blocked(situation))
+                ended = goal_is_blocked(at_end(situation), goal)
+                result.count("the goal posture is blocked at the end", ended)
+                result.situations.append(situation)
         return result.at_least_one()
 
     def _convert(

@@ -9,6 +9,7 @@ import re
 import tarfile
 import zlib
 from collections.abc import Callable, Iterable, Iterator
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -20,10 +21,10 @@ _OPENERS: dict[str, Callable[..., Any]] = {".gz": gzip.open, ".bz2": bz2.open, "
 _DAMAGED = (tarfile.TarError, EOFError, zlib.error, lzma.LZMAError)
 
 
-Refused = Callable[[FileFormatError], object]
+Careful = Callable[[], AbstractContextManager[object]]
 
 
-def texts(source: Path, wanted: str, refused: Refused | None = None) -> list[tuple[str, str]]:
+def texts(source: Path, wanted: str, careful: Careful = nullcontext) -> list[tuple[str, str]]:
     """Return name and text of the files of a source, in the order of their names.
 
     Parameters
@@ -32,8 +33,8 @@ def texts(source: Path, wanted: str, refused: Refused | None = None) -> list[tup
         A folder, searched with all folders in it, a tar archive, or a file that may be compressed.
     wanted : str
         Regular expression that names of files in folders and archives match.
-    refused : callable, optional
-        Called with the error of a file that is no text; else it is raised.
+    careful : callable
+        Context in which a file that is no text raises its error.
 
     Raises
     ------
@@ -49,17 +50,12 @@ def texts(source: Path, wanted: str, refused: Refused | None = None) -> list[tup
         raise FileFormatError(f"{source}: has no file whose name matches {wanted}")
     made = []
     for name, content in found:
-        try:
-            made.append((name, content.decode("utf-8-sig")))
-        except UnicodeDecodeError as error:
-            _refuse(FileFormatError(f"{name}: is not UTF-8 text ({error.reason})"), refused)
+        with careful():
+            try:
+                made.append((name, content.decode("utf-8-sig")))
+            except UnicodeDecodeError as error:
+                raise FileFormatError(f"{name}: is not UTF-8 text ({error.reason})") from None
     return made
-
-
-def _refuse(error: FileFormatError, refused: Refused | None) -> None:
-    if refused is None:
-        raise error
-    refused(error)
 
 
 def _files(source: Path, wanted: str) -> Iterator[tuple[str, bytes]]:
@@ -80,7 +76,7 @@ def _files(source: Path, wanted: str) -> Iterator[tuple[str, bytes]]:
 
 
 def json_nodes(
-    sources: Iterable[Path], wanted: str, refused: Refused | None = None
+    sources: Iterable[Path], wanted: str, careful: Careful = nullcontext
 ) -> Iterator[Node]:
     """Return the value of every JSON file; see `texts`.
 
@@ -89,14 +85,13 @@ def json_nodes(
     FileFormatError
     """
     for source in sources:
-        for name, text in texts(source, wanted, refused):
-            try:
-                value = parse(text)
-            except JsonTextError as error:
-                reason = f"not valid JSON: {error.reason}"
-                _refuse(FileFormatError(f"{name}:{error.line}: {reason}"), refused)
-            else:
-                yield Node(name, "", value)
+        for name, text in texts(source, wanted, careful):
+            with careful():
+                try:
+                    yield Node(name, "", parse(text))
+                except JsonTextError as error:
+                    reason = f"not valid JSON: {error.reason}"
+                    raise FileFormatError(f"{name}:{error.line}: {reason}") from None
 
 
 def yaml_node(name: str, text: str) -> Node:

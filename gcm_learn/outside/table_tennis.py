@@ -67,7 +67,7 @@ class TableTennis:
         """Return a situation for each ball that comes within reach."""
         positive(self.horizon, "horizon")
         arm, result = self._arm(), Converted()
-        balls = _balls(json_nodes(sources, FILES, result.left_out.append), result)
+        balls = _balls(json_nodes(sources, FILES, result.leaving_out), result)
         names, states = list(balls), np.array(list(balls.values())).reshape(-1, len(FIELDS))
         for first in range(0, len(balls), CHUNK):
             chosen = slice(first, first + CHUNK)
@@ -108,21 +108,17 @@ def _balls(nodes: Iterator[Node], result: Converted) -> dict[str, list[float]]:
     """Return the states of balls by name: of their `id`, or of their number."""
     found: dict[str, list[float]] = {}
     for node in nodes:
-        try:
+        rows: Sequence[Node] = ()
+        with result.leaving_out():
             rows = node.rows()
-        except FileFormatError as error:
-            result.left_out.append(error)
-            continue
         for row in rows:
-            try:
+            with result.leaving_out():
                 given = row.find("id") if "id" in row.members() else None
                 number = len(found) + len(result.left_out)
                 name = f"ball-{row.value['id'] if given is not None else number}"
                 if name in found:
                     raise row.inside("id").error("is given twice")
                 found[name] = _state(row)
-            except FileFormatError as error:
-                result.left_out.append(error)
     return found
 
 

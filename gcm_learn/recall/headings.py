@@ -12,11 +12,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from gcm_learn.arms import SPATIAL, ByKind
-from gcm_learn.arms.chain_limb import PRISMATIC, ChainLimb, place
+from gcm_learn.arms.chain_frames import PRISMATIC, line_of, parent_of
+from gcm_learn.arms.chain_limb import ChainLimb, place
 from gcm_learn.arms.limbs import axis_of, hand_of
 from gcm_learn.arms.limbs import place as place_of
 from gcm_learn.arms.spatial_limb import SpatialLimb
-from gcm_learn.arms.tree_limb import TreeLimb
 from gcm_learn.compiled import njit
 from gcm_learn.dispatch import by_type
 from gcm_learn.motion.joint_interception import approach_axis, has_approach
@@ -88,7 +88,10 @@ def _turned(limb, scene):
     out = Heading(np.eye(3), np.zeros(3), np.zeros(limb.start.size))
     poses = np.zeros((scene.bodies.rows.shape[0], 12))
     target = nearest_target(scene, poses)
-    if limb.joints[0, 0] == PRISMATIC or target < 0:
+    alike = limb.joints[0, 0] != PRISMATIC  # if the first joint turns all
+    for k in range(1, limb.joints.shape[0]):
+        alike = alike and line_of(limb.tree, k)[0] > 0 and parent_of(limb.tree, k) > 0
+    if not alike or target < 0:
         return out
     place(limb, limb.start)
     axis = limb.axes[0, 3:6].copy()
@@ -111,15 +114,7 @@ def _turned(limb, scene):
     return out
 
 
-@njit
-def _turned_tree(limb, scene):
-    for k in range(1, limb.leaders.size):
-        if limb.leaders[k] == 0 or limb.parents[k] == 0:  # the first joint does not turn all alike
-            return _straight(limb, scene)
-    return _turned(limb, scene)
-
-
-heading_of = by_type({SpatialLimb: _straight, ChainLimb: _turned, TreeLimb: _turned_tree})
+heading_of = by_type({SpatialLimb: _straight, ChainLimb: _turned})
 """Heading of a limb in a scene: that of the nearest target, late in the horizon.
 
 The first joint is within half a turn of 0 in it at t = 0.

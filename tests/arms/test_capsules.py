@@ -12,9 +12,9 @@ from scipy.spatial.transform import Rotation
 
 from gcm_learn.arms import chain_of, frames_at, read_robot
 from gcm_learn.arms.convex_kernels import gaps
-from gcm_learn.arms.robots.capsules import Piece, Site, divided, grouped, packed, pieces_of
-from gcm_learn.arms.robots.fits import MOST
-from gcm_learn.arms.robots.tree import box, cylinder
+from gcm_learn.arms.robots.capsules import Cell, Site, packed, reduced
+from gcm_learn.arms.robots.fits import FIRST
+from gcm_learn.arms.robots.tree import Hull, box, corners, cylinder
 from gcm_learn.cli import main
 from gcm_learn.errors import RobotError
 
@@ -112,14 +112,14 @@ def within(rng, points, count=400):
     return np.concatenate([points, shares @ points])
 
 
-def covered(pieces, limit=LIMIT, most=40):
+def covered(parts, limit=LIMIT, most=40):
     """Capsules of one site, divided until they lie close."""
-    site = Site(0, pieces, limit)
-    groups = [grouped(pieces, site)]
-    while len(groups) < most and max(group.overhang for group in groups) > limit:
-        worst = max(groups, key=lambda group: group.overhang)
-        groups = [group for group in groups if group is not worst] + list(divided(worst, site))
-    return groups
+    parts = [reduced(part) for part in parts]
+    cells = [Cell(parts, Site(0, parts, limit))]
+    while len(cells) < most and max(cell.overhang for cell in cells) > limit:
+        worst = max(cells, key=lambda cell: cell.overhang)
+        cells = [cell for cell in cells if cell is not worst] + list(worst.divided())
+    return cells
 
 
 def boxes(rng, count):
@@ -136,10 +136,10 @@ def test_distances_of_hulls_are_those_of_fcl():
     rng = np.random.default_rng(0)
     for count in (4, 8, 60):
         one, two = rng.normal(size=(2, count, 3)) * rng.uniform(0.05, 0.3, 3)
-        parts = packed([Piece(np.column_stack([p, np.zeros(count)]), 0) for p in (one, two)])
+        parts = packed([corners(one), corners(two)])
         turns = Rotation.random(200, random_state=1).as_matrix()
-        places, still = rng.normal(size=(200, 3)) * 0.4, np.tile(np.eye(3), (200, 1, 1))
-        found = gaps(*parts, 1, still, np.zeros((200, 3)), turns, places, 1e9)
+        places = rng.normal(size=(200, 3)) * 0.4
+        found = gaps(*parts, 1, turns, places, 1e9)
         first = fcl.CollisionObject(convex(one))
         shape, theirs = convex(two), []
         for turn, place in zip(turns, places, strict=True):
@@ -148,7 +148,7 @@ def test_distances_of_hulls_are_those_of_fcl():
         assert 0 < np.sum(theirs > 0.0) < 200 or count == 4
         np.testing.assert_array_equal(found > 0.0, theirs > 0.0)
         np.testing.assert_allclose(np.maximum(found, 0.0), theirs, atol=1e-4)
-        cut = gaps(*parts, 1, still, np.zeros((200, 3)), turns, places, 0.1)
+        cut = gaps(*parts, 1, turns, places, 0.1)
         np.testing.assert_allclose(cut, np.minimum(found, 0.1), atol=1e-7)
 
 
@@ -156,9 +156,9 @@ def test_distances_of_round_hulls_are_less_by_their_radii():
     rng = np.random.default_rng(1)
     points = rng.normal(size=(6, 3)) * 0.1
     for radii in (np.full(6, 0.02), rng.uniform(0.01, 0.03, 6)):
-        parts = packed([Piece(np.column_stack([points, radii]), 0), Piece(np.zeros((1, 4)), 0)])
+        parts = packed([Hull(np.column_stack([points, radii])), Hull(np.zeros((1, 4)))])
         places, still = rng.normal(size=(50, 3)), np.tile(np.eye(3), (50, 1, 1))
-        found = gaps(*parts, 1, still, np.zeros((50, 3)), still, places, 1e9)
+        found = gaps(*parts, 1, still, places, 1e9)
         ways = rng.normal(size=(20000, 3))
         ways /= np.linalg.norm(ways, axis=1, keepdims=True)
         dense = (places @ ways.T - (ways @ points.T + radii).max(axis=1)).max(axis=1)
@@ -169,32 +169,31 @@ def test_distances_of_round_hulls_are_less_by_their_radii():
 def test_capsules_hold_boxes_and_all_between_their_corners(seed):
     rng = np.random.default_rng(seed)
     parts = boxes(rng, 1 + seed)
-    groups = covered(pieces_of(parts, 0))
-    capsules = [group.capsule for group in groups]
+    cells = covered(parts, most=4)
+    capsules = [cell.capsule for cell in cells]
     for part in parts:
         assert out_of(capsules, within(rng, part.centres)).max() <= 0.0
-    for group in groups:  # each alone holds its pieces, so that nothing between is left out
-        for piece in group.pieces:
-            assert out_of([group.capsule], piece.balls[:, :3]).max() <= 0.0
+    for cell in cells:  # each alone holds its pieces, so that nothing between is left out
+        assert max(out_of([cell.capsule], hull.centres).max() for hull in cell.hulls) <= 0.0
 
 
 @pytest.mark.parametrize(
     "parts",
     [
-        [box((0.4, 0.4, 0.02))],
-        [cylinder(0.06, 0.2)],
-        [box((0.4, 0.05, 0.05)), box((0.05, 0.4, 0.05))],
+        [box((0.2, 0.15, 0.02))],
+        [cylinder(0.06, 0.1)],
+        [box((0.3, 0.05, 0.05)), box((0.05, 0.3, 0.05))],
     ],
     ids=["plate", "cylinder", "cross"],
 )
 def test_overhang_is_small_and_as_large_as_fcl_says(parts):
-    groups = covered(pieces_of(parts, 0))
-    assert 1 < len(groups) <= 20
+    cells = covered(parts)
+    assert 1 < len(cells) <= 20
     solids = [fcl.CollisionObject(convex(part.centres)) for part in parts]
     rng = np.random.default_rng(2)
-    for group in groups:
-        start, end, radius = group.capsule
-        assert group.overhang <= LIMIT
+    for cell in cells:
+        start, end, radius = cell.capsule
+        assert cell.overhang <= LIMIT
         for _ in range(100):
             way = rng.normal(size=3)
             axis, share = end - start, rng.random()
@@ -204,13 +203,12 @@ def test_overhang_is_small_and_as_large_as_fcl_says(parts):
                 share = float(way @ axis > 0.0)
             point = start + share * axis + radius * way / np.linalg.norm(way)
             at = fcl.CollisionObject(fcl.Sphere(1e-6), fcl.Transform(point))
-            assert min(apart(at, solid) for solid in solids) <= group.overhang + 2e-3
+            assert min(apart(at, solid) for solid in solids) <= cell.overhang + 2e-3
 
 
 def test_balls_that_overlap_get_few_capsules_that_fit(tmp_path):
-    fitted = made(tmp_path, BALLS)
-    base = fitted.covers[0]
-    assert base.link == "base" and base.capsules <= 12 and base.overhang <= 0.02
+    base = made(tmp_path, BALLS, capsules=12).covers[0]
+    assert base.link == "base" and base.overhang <= 0.02
     few = made(tmp_path, BALLS, capsules=4)
     assert few.covers[0].capsules == 4 and few.covers[0].overhang < 0.1
     capsules = [(np.array(link.start), np.array(link.end), link.radius) for link in few.model.links]
@@ -255,13 +253,12 @@ def test_bodies_of_mjcf_are_joined_by_their_joint(tmp_path):
 
 
 def test_a_tool_covers_the_way_to_the_hand(tmp_path):
-    fitted = made(tmp_path, MAST, tip="tip", point=(0.0, 0.1, 0.05), tool=0.02, capsules=1)
+    fitted = made(tmp_path, MAST, tip="tip", point=(0.0, 0.1, 0.05), tool=0.06, capsules=1)
     assert [cover.link for cover in fitted.covers][-1] == "tool of tip"
     link = next(link for link in fitted.model.links if link.name == "tool of tip")
     assert link.joint == 2 and link.end == fitted.model.hand.point
-    assert link.start == pytest.approx((0.4, 0.0, 0.0)) and link.radius == pytest.approx(
-        0.02, abs=1e-5
-    )
+    assert link.start == pytest.approx((0.4, 0.0, 0.0))
+    assert link.radius == pytest.approx(0.06, abs=1e-5)
     assert frozenset(("tool of tip", "mast")) in named(fitted)
     with pytest.raises(RobotError, match=r"^tool: must be above 0 \(got 0\)$"):
         made(tmp_path, MAST, tool=0.0)
@@ -273,15 +270,15 @@ def test_many_links_of_one_frame_share_capsules(tmp_path):
         ("base", "one", "revolute", "0 0 0.1", "0 0 1"),
         ("one", "two", "revolute", "0.3 0 0", "0 1 0"),
     ]
-    for k in range(60):
+    for k in range(30):
         links[f"finger {k}"] = [bar(0.02, 0.02, 0.02)]
         joints.append(
             ("two", f"finger {k}", "fixed", f"{0.1 + 0.03 * (k // 8)} {0.03 * (k % 8)} 0", "0 0 1")
         )
-    fitted = made(tmp_path, urdf(links, joints))
-    assert len(fitted.model.links) <= MOST
+    fitted = made(tmp_path, urdf(links, joints), capsules=1)
+    assert len(fitted.model.links) <= FIRST
     held = [p for hulls, link in zip(fitted.parts, fitted.model.links, strict=True) for p in hulls]
-    assert len(held) >= 63
+    assert len(held) == 33
     assert any(" more" in cover.link for cover in fitted.covers)
 
 
@@ -361,22 +358,14 @@ def hit(one, two):
 def test_the_command_says_how_free_the_arm_is(tmp_path, capsys):
     file = tmp_path / "mast.urdf"
     file.write_text(MAST, "utf-8")
-    command = [
-        "arm",
-        str(file),
-        "--base",
-        "base",
-        "--tip",
-        "tip",
-        "--out",
-        str(tmp_path / "a.json"),
-    ]
+    command = ["arm", str(file), "--base", "base", "--tip", "tip", "--capsules", "1"]
+    command += ["--out", str(tmp_path / "a.json")]
     assert main(command) == 0
     said = capsys.readouterr().out
     assert "free of self-collision in" in said and "by the file's parts" in said
     assert "mast and one overlap in" in said or "one and mast overlap in" in said
     assert "the hand is a point" in said
-    assert main([*command, "--tool", "0.02", "--capsules", "1"]) == 0
+    assert main([*command, "--tool", "0.02"]) == 0
     said = capsys.readouterr().out
     assert "the hand is a point" not in said and "tool of tip" in said
     assert main([*command, "--tool", "-1"]) == 2

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gcm_learn.arms import Chain, hands_along, limb_of_chain, links_along, tree_limb
+from gcm_learn.arms import Chain, hands_along, limb_of_chain, links_along
 from gcm_learn.arms.chain_limb import travel
 from gcm_learn.arms.curves import hermite, on_curve
 from gcm_learn.arms.limbs import (
@@ -143,13 +143,12 @@ def test_travel_bounds_any_turns_either_way(arm, seed, most):
     """Joints may leave their ranges, as those of a bound do."""
     limb, (q,) = limb_of_chain(arm), postures(arm, seed, 1)
     rng, factors = np.random.default_rng(seed), arm.model.factors
-    bound = travel if arm.model.serial else tree_limb.travel
     place(limb, q)
     for turns in most * rng.uniform(-1, 1, (20, arm.dof)):
         (now, _), (then, _) = links_along(arm, q[None]), links_along(arm, q + [turns, -turns])
         way = np.linalg.norm(then - now, axis=3).max(axis=(0, 2))
         rates = factors @ turns
-        bounds = [bound(limb, i, abs(rates), rates, 1.0) for i in range(len(arm.model.links))]
+        bounds = [travel(limb, i, abs(rates), rates, 1.0) for i in range(len(arm.model.links))]
         assert (way <= np.array(bounds) + HAIR).all()
 
 

@@ -11,7 +11,7 @@ from gcm_learn.arms.robots.following import arranged, leads_of
 from gcm_learn.arms.robots.tree import Hull, Robot, RobotJoint, RobotLink, motion
 from gcm_learn.errors import RobotError
 
-BALL = (Hull(np.zeros((1, 3)), np.array([0.05])),)
+BALL = (Hull(np.array([[0.0, 0.0, 0.0, 0.05]])),)
 
 
 def turning(name, parent, child, follows=None, **more):

@@ -170,9 +170,9 @@ def test_joints_without_bounds_are_refused_on_the_chain(robot, limit):
     if limit:
         assert "joint 'a': has no range; give its limits, or make" in refused(robot, limit=limit)
     free = robot(kind="continuous", limit=limit)
-    turn = chain_of(free, "base", "two", max_speed=[1.0]).model.joints[0]
+    turn = chain_of(free, "base", "two", max_speed=[1.0], capsules=1).model.joints[0]
     assert turn.range == pytest.approx((-2.0 * np.pi, 2.0 * np.pi))
-    beside = chain_of(robot(limit=limit), "one", "two").model
+    beside = chain_of(robot(limit=limit), "one", "two", capsules=1).model
     assert [joint.name for joint in beside.joints] == ["b"]
 
 
@@ -225,7 +225,7 @@ def test_a_root_that_only_joints_name_is_a_link(robot):
     """Such as world; other links that are missing are not."""
     whole = URDF.format(one=COVER, two=COVER, kind="revolute", limit=LIMIT)
     read = robot(whole=whole.replace('<link name="base"/>', ""))
-    assert chain_of(read, "base", "two").model.dof == 2
+    assert chain_of(read, "base", "two", capsules=1).model.dof == 2
     spelled = whole.replace('<parent link="base"/>', '<parent link="bass"/>')
     assert "joint 'a': there is no link 'bass'" in refused(robot, whole=spelled)
     ends = whole.replace('<link name="two">', '<link name="too">')

@@ -81,7 +81,7 @@ def elbow(tmp_path):
 @pytest.fixture(scope="module")
 def fitted(tmp_path_factory):
     robot = read_robot(elbow_in(tmp_path_factory.mktemp("elbow")))
-    return chain_of(robot, "foot", "palm", point=POINT, at={"grip": 0.4})
+    return chain_of(robot, "foot", "palm", point=POINT, at={"grip": 0.4}, capsules=2)
 
 
 def hands(model, joints):
@@ -116,7 +116,7 @@ def test_the_hand_is_where_mujoco_has_it(tmp_path):
     mujoco = pytest.importorskip("mujoco")
     file = tmp_path / "arm.xml"
     file.write_text(MJCF, "utf-8")
-    fitted = chain_of(read_robot(file), "base", "tool", point=POINT, max_speed=[2.0])
+    fitted = chain_of(read_robot(file), "base", "tool", point=POINT, max_speed=[2.0], capsules=1)
     model = mujoco.MjModel.from_xml_path(str(file))
     data = mujoco.MjData(model)
     assert [joint.type for joint in fitted.model.joints] == ["revolute", "revolute", "prismatic"]
@@ -200,11 +200,12 @@ def test_spheres_stay_what_they_are(fitted):
 def test_the_command_writes_an_arm_that_is_read_again(elbow, tmp_path, capsys):
     out, picture = tmp_path / "arm.json", tmp_path / "arm.png"
     command = ["arm", str(elbow), "--base", "foot", "--tip", "palm", "--at", "grip=0.4"]
-    command += ["--point", *map(str, POINT)]
+    command += ["--point", *map(str, POINT), "--capsules", "1"]
     assert main([*command, "--out", str(out), "--plot", str(picture)]) == 0
     assert "elbow: 3 joints" in capsys.readouterr().out and picture.stat().st_size > 5000
     model = read_arm(out)
-    same = chain_of(read_robot(elbow), "foot", "palm", point=POINT, at={"grip": 0.4})
+    given = {"point": POINT, "at": {"grip": 0.4}, "capsules": 1}
+    same = chain_of(read_robot(elbow), "foot", "palm", **given)
     assert model == same.model
     assert main(command) == 0
     assert json.loads(capsys.readouterr().out) == json.loads(out.read_text("utf-8"))
@@ -309,7 +310,7 @@ def test_a_command_that_fails_writes_nothing(elbow, tmp_path, monkeypatch, capsy
     heavy = re.sub(r'(<link name="(?!world|palm)\w+">)', rf"\1{masses}", URDF)
     elbow.write_text(heavy.replace('<link name="palm"/>', f'<link name="palm">{masses}</link>'))
     before = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
-    command = ["arm", str(elbow), "--base", "foot", "--tip", "palm"]
+    command = ["arm", str(elbow), "--base", "foot", "--tip", "palm", "--capsules", "1"]
     body = [] if "--body" in more else ["--body", "body.json"]
     assert main([*command, *body, *more]) == 2
     out, said = capsys.readouterr()

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from gcm_learn.arms.chain import ChainJoint, ChainModel, Hand, Link
-from gcm_learn.arms.robots.capsules import Capsule, pieces_of
+from gcm_learn.arms.robots.capsules import Capsule, reduced
 from gcm_learn.arms.robots.fits import MOST, Cover, Freedom, covered
 from gcm_learn.arms.robots.following import MOVING, Placed, arranged
 from gcm_learn.arms.robots.pairs import Solid
@@ -152,8 +152,7 @@ def chain_of(
         if not 0.0 < tool < math.inf:
             raise RobotError(f"tool: must be above 0 (got {tool:g})")
         reach = Capsule(pose[:3, 3], np.array(hand.point), tool)
-        piece = reach.piece._replace(link=len(solids))
-        solids.append(Solid(f"tool of {tip}", last, [piece]))
+        solids.append(Solid(f"tool of {tip}", last, [reach.hull._replace(link=len(solids))]))
     bare = Link(0, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 1.0)
     model = ChainModel(name or robot.name, tuple(joints), (bare,), hand, (), source)
     made = covered(model, solids, _joined(robot), capsules or MOST, seed)
@@ -238,8 +237,8 @@ def _solids(robot: Robot, frames: Mapping[str, tuple[int, np.ndarray]]) -> list[
     for link in robot.links.values():
         if link.hulls and link.name in frames:
             number, pose = frames[link.name]
-            hulls = [hull.moved(pose) for hull in link.hulls]
-            solids.append(Solid(link.name, number, pieces_of(hulls, len(solids))))
+            hulls = [reduced(h.moved(pose)._replace(link=len(solids))) for h in link.hulls]
+            solids.append(Solid(link.name, number, hulls))
     if not solids:
         looks = any(link.looks for link in robot.links.values())
         raise RobotError(f"has no collision geometry{'; try --visual' if looks else ''}")

@@ -167,18 +167,13 @@ def _inertial(model: Any, b: int) -> Inertial:
 
 def _drive(model: Any, j: int, mujoco: Any) -> Drive:
     """Return the motor of a joint; the strongest of several."""
-    d = int(model.jnt_dofadr[j])
-    forces = [_strongest(model, a) for a in range(model.nu) if _moves(model, a, j, mujoco)]
+    d, turns = int(model.jnt_dofadr[j]), model.actuator_trntype == mujoco.mjtTrn.mjTRN_JOINT
+    own = np.flatnonzero(turns & (model.actuator_trnid[:, 0] == j)).tolist()
+    forces = [force for a in own if (force := _strongest(model, a)) is not None]
     if model.jnt_actfrclimited[j]:
         forces = [float(np.abs(model.jnt_actfrcrange[j]).max())]
-    known = [force for force in forces if force is not None]
-    most = max(known) if known else None
+    most = max(forces, default=None)
     return Drive(most, float(model.dof_armature[d]), float(model.dof_damping.ravel()[d]))
-
-
-def _moves(model: Any, a: int, j: int, mujoco: Any) -> bool:
-    joint = int(mujoco.mjtTrn.mjTRN_JOINT)
-    return bool(model.actuator_trntype[a] == joint and model.actuator_trnid[a, 0] == j)
 
 
 def _strongest(model: Any, a: int) -> float | None:

@@ -12,7 +12,8 @@ from scipy.spatial.transform import Rotation
 from gcm_learn import seeding
 from gcm_learn.arms.chain import ChainModel
 from gcm_learn.arms.convex_kernels import gaps
-from gcm_learn.arms.robots.capsules import Packed, Piece, all_balls, enclosing, packed
+from gcm_learn.arms.robots.capsules import Packed, enclosing, packed
+from gcm_learn.arms.robots.tree import Hull, all_balls
 
 POSTURES = 20_000
 CORNERS = 2_000  # of the ranges, at most, among the postures
@@ -43,12 +44,7 @@ class Solid(NamedTuple):
 
     name: str
     joint: int
-    pieces: Sequence[Piece]
-
-    @property
-    def volume(self) -> float:
-        """Volume of a capsule about it [lengths^3]."""
-        return enclosing(all_balls(self.pieces)).volume
+    hulls: Sequence[Hull]
 
 
 class Frames(NamedTuple):
@@ -77,11 +73,10 @@ class Frames(NamedTuple):
 
     def gaps(self, one: Packed, two: Packed, joints: tuple[int, int]) -> np.ndarray:
         """Return distances (m,) of two groups of parts: 0 or less if they touch, cut to `TOUCH`."""
-        i, j = joints
-        return gaps(
-            *(one + two), len(one.rounds), self.rotations[i], self.places[i], self.rotations[j],
-            self.places[j], TOUCH,
-        )  # fmt: skip
+        (i, j), split = joints, len(one.rounds)
+        back = self.rotations[i].transpose(0, 2, 1)
+        places = np.einsum("mij,mj->mi", back, self.places[j] - self.places[i])
+        return gaps(*(one + two), split, back @ self.rotations[j], places, TOUCH)
 
     def any_of(self, meets: Collection[np.ndarray]) -> np.ndarray:
         """Return in which postures (m,) any of some pairs meets."""
@@ -91,20 +86,13 @@ class Frames(NamedTuple):
 def meetings(
     solids: Sequence[Solid], frames: Frames, joined: Collection[frozenset[str]]
 ) -> tuple[Meets, set[tuple[int, int]]]:
-    """Find pairs of links whose parts overlap in some postures.
+    """Return pairs whose parts overlap, with the postures (m,), and pairs that are passed over.
 
-    Left out are links of one frame, those that one joint joins (by their names), and those whose
-    parts overlap in no posture or in all.
-
-    Returns
-    -------
-    meets : dict of (int, int) to (m,) ndarray of bool
-        In which postures.
-    passed : set of (int, int)
-        Pairs that one joint joins, or whose parts overlap in all postures.
+    These are links that one joint joins, by their names, or whose parts overlap in all postures.
+    Links of one frame are neither.
     """
-    parts = [packed(solid.pieces) for solid in solids]
-    about = [packed([enclosing(all_balls(solid.pieces)).piece]) for solid in solids]
+    parts = [packed(solid.hulls) for solid in solids]
+    about = [packed([enclosing(all_balls(solid.hulls)).hull]) for solid in solids]
     meets, passed = {}, set()
     for a, b in combinations(range(len(solids)), 2):
         joints = solids[a].joint, solids[b].joint

@@ -19,10 +19,21 @@ CORNERS = 24
 
 
 class Hull(NamedTuple):
-    """Convex hull of balls in the frame of a link."""
+    """Convex hull of balls: a part of a link, or what planes leave of it."""
 
-    centres: np.ndarray  # (n, 3)
-    radii: np.ndarray  # (n,)
+    balls: np.ndarray  # (n, 4): centres and radii
+    link: int = -1
+    """Number of the link, once that is known."""
+
+    @property
+    def centres(self) -> np.ndarray:
+        """(n, 3)"""
+        return self.balls[:, :3]
+
+    @property
+    def radii(self) -> np.ndarray:
+        """(n,)"""
+        return self.balls[:, 3]
 
     def moved(self, transform: np.ndarray) -> Hull:
         """Return the hull in another frame.
@@ -32,7 +43,13 @@ class Hull(NamedTuple):
         transform : (4, 4) ndarray
             Pose of the present frame in the other one.
         """
-        return Hull(self.centres @ transform[:3, :3].T + transform[:3, 3], self.radii)
+        there = self.centres @ transform[:3, :3].T + transform[:3, 3]
+        return self._replace(balls=np.column_stack([there, self.radii]))
+
+
+def all_balls(hulls: Sequence[Hull]) -> np.ndarray:
+    """Return all balls (n, 4) of parts."""
+    return np.concatenate([hull.balls for hull in hulls])
 
 
 class Inertial(NamedTuple):
@@ -85,8 +102,9 @@ class RobotLink(NamedTuple):
     @property
     def size(self) -> float:
         """Longest edge of the box about the geometry."""
-        ends = [h.centres + sign * h.radii[:, None] for h in self.hulls for sign in (-1.0, 1.0)]
-        return float(np.ptp(np.concatenate(ends), axis=0).max()) if ends else 0.0
+        balls = all_balls(self.hulls) if self.hulls else np.zeros((1, 4))
+        ends = [balls[:, :3] - balls[:, 3:], balls[:, :3] + balls[:, 3:]]
+        return float(np.ptp(np.concatenate(ends), axis=0).max())
 
 
 class Drive(NamedTuple):
@@ -180,12 +198,12 @@ def motion(kind: str, axis: Sequence[float], value: float) -> np.ndarray:
 
 def ball(radius: float) -> Hull:
     """Return a ball about the origin."""
-    return Hull(np.zeros((1, 3)), np.array([radius], float))
+    return Hull(np.array([[0.0, 0.0, 0.0, radius]]))
 
 
 def capsule(radius: float, half: float) -> Hull:
     """Return a capsule along z, whose axis has twice the length `half`."""
-    return Hull(np.array([[0.0, 0.0, -half], [0.0, 0.0, half]]), np.full(2, float(radius)))
+    return Hull(np.array([[0.0, 0.0, -half, radius], [0.0, 0.0, half, radius]]))
 
 
 def cylinder(radius: float, half: float) -> Hull:
@@ -202,19 +220,32 @@ def box(size: Sequence[float]) -> Hull:
     return corners(signs * np.asarray(size, float))
 
 
+def sphere(count: int) -> np.ndarray:
+    """Return directions (count, 3), spread evenly (Fibonacci's sphere)."""
+    k = np.arange(count) + 0.5
+    z, turn = 1.0 - 2.0 * k / count, math.pi * (1.0 + math.sqrt(5.0)) * k
+    return np.column_stack([np.sqrt(1.0 - z * z) * f(turn) for f in (np.cos, np.sin)] + [z])
+
+
 def ellipsoid(half: Sequence[float], count: int = 200) -> Hull:
     """Return a polytope about an ellipsoid with half axes of the lengths `half` (3)."""
-    k = np.arange(count) + 0.5
-    z, turn = 1.0 - 2.0 * k / count, math.pi * (1.0 + math.sqrt(5.0)) * k  # Fibonacci's sphere
-    points = np.column_stack([np.cos(turn), np.sin(turn), z])
-    points[:, :2] *= np.sqrt(1.0 - z * z)[:, None]
+    points = sphere(count)
     within = -ConvexHull(points).equations[:, 3].max()
     return corners(points / within * np.asarray(half, float))
 
 
 def corners(points: np.ndarray) -> Hull:
     """Return the hull of points (n, 3)."""
-    return Hull(np.asarray(points, float), np.zeros(len(points)))
+    return Hull(np.column_stack([points, np.zeros(len(points))]))
+
+
+def crossings(points: np.ndarray, pairs: np.ndarray, along: np.ndarray) -> np.ndarray:
+    """Return where lines between pairs of points (e, 2) cross the plane of zero `along` (n,)."""
+    a, b = along[pairs].T
+    crossing = a * b < 0.0
+    share = (a[crossing] / (a[crossing] - b[crossing]))[:, None]
+    first, second = points[pairs[crossing]].transpose(1, 0, 2)
+    return np.asarray(first + share * (second - first))
 
 
 def mesh(vertices: np.ndarray, faces: np.ndarray, slabs: int = 3) -> list[Hull]:
@@ -239,11 +270,7 @@ def mesh(vertices: np.ndarray, faces: np.ndarray, slabs: int = 3) -> list[Hull]:
     for low, high in pairwise(edges):
         points = [vertices[(along >= low) & (along <= high)]]
         for plane in (low, high):
-            a, b = along[pairs[:, 0]] - plane, along[pairs[:, 1]] - plane
-            crossing = a * b < 0.0
-            share = (a[crossing] / (a[crossing] - b[crossing]))[:, None]
-            first, second = vertices[pairs[crossing]].transpose(1, 0, 2)
-            points.append(first + share * (second - first))
+            points.append(crossings(vertices, pairs, along - plane))
         inside = np.concatenate(points)
         if len(inside):
             hulls.append(corners(inside))

@@ -71,7 +71,7 @@ def test_a_body_needs_the_torques_of_its_file(file):
     """At random joints, rates and accelerations; joints off the chain stand."""
     base, tip, dof = FILES[file.name]
     at = {"grip": 0.4} if dof == 2 else {}
-    fitted = chain_of(read_robot(file), base, tip, max_speed=[2.0], at=at)
+    fitted = chain_of(read_robot(file), base, tip, max_speed=[2.0], at=at, capsules=1)
     body, rng = body_of_robot(fitted), np.random.default_rng(0)
     arm = Chain(fitted.model, tuple(joint.range[0] for joint in fitted.model.joints), 0.01)
     library = mujoco()
@@ -89,7 +89,8 @@ def test_a_body_needs_the_torques_of_its_file(file):
 
 def test_motors_are_those_of_the_file(file):
     base, tip, dof = FILES[file.name]
-    motors = body_of_robot(chain_of(read_robot(file), base, tip, max_speed=[2.0])).joints
+    fitted = chain_of(read_robot(file), base, tip, max_speed=[2.0], capsules=1)
+    motors = body_of_robot(fitted).joints
     wanted = {
         2: [(9.0, 0.0, 0.3), (50.0, 0.0, 2.0)],
         3: [(15.0, 0.2, 0.4), (7.0, 0.1, 0.0), (40.0, 0.0, 0.0)],
@@ -100,7 +101,18 @@ def test_motors_are_those_of_the_file(file):
 def test_the_command_writes_the_body(file, tmp_path, capsys):
     base, tip, dof = FILES[file.name]
     body, arm = tmp_path / "body.json", tmp_path / "arm.json"
-    command = ["arm", str(file), "--base", base, "--tip", tip, "--max-speed", "2"]
+    command = [
+        "arm",
+        str(file),
+        "--base",
+        base,
+        "--tip",
+        tip,
+        "--max-speed",
+        "2",
+        "--capsules",
+        "1",
+    ]
     numbers = [*("--torque", *("7",) * dof), "--armature", "0.3"]
     assert main([*command, *numbers, "--body", str(body), "--out", str(arm)]) == 0
     made = read_arm_body(body)
@@ -124,7 +136,7 @@ def test_faults_of_a_file_are_one_line(tmp_path, old, new, reason, capsys):
     pytest.importorskip("yourdfpy")
     file, body = tmp_path / "arm.urdf", tmp_path / "body.json"
     file.write_text(URDF.replace(old, new, 1), "utf-8")
-    command = ["arm", str(file), "--base", "foot", "--tip", "palm"]
+    command = ["arm", str(file), "--base", "foot", "--tip", "palm", "--capsules", "1"]
     assert main([*command, "--body", str(body)]) == 2
     said = capsys.readouterr().err
     assert reason in said and "arm.urdf: " in said and said.count("\n") == 1
@@ -139,6 +151,6 @@ def test_a_file_without_masses_has_no_body(tmp_path, capsys):
         first, last = bare.index("<inertial>"), bare.index("</inertial>") + len("</inertial>")
         bare = bare[:first] + bare[last:]
     file.write_text(bare, "utf-8")
-    command = ["arm", str(file), "--base", "foot", "--tip", "palm", "--body"]
-    assert main([*command, str(tmp_path / "body.json")]) == 2
+    command = ["arm", str(file), "--base", "foot", "--tip", "palm", "--capsules", "1"]
+    assert main([*command, "--body", str(tmp_path / "body.json")]) == 2
     assert "frames[2].mass: is 0, and so is the joint's armature" in capsys.readouterr().err

@@ -73,7 +73,7 @@ def blank(world):
         np.zeros((m + 1, 6)), np.zeros(m), np.zeros((pairs, 2), np.int64),
         np.zeros((m, bodies), np.bool_), np.zeros(n), 1.0, 0.0, 1.0, np.zeros(n), np.zeros(n),
         _first_frame(n), np.zeros((n, 6)), np.zeros((m + 1, 6)), np.zeros((m, 4)),
-        np.zeros(m, np.int64), np.zeros(m), np.zeros(n), np.zeros(n),
+        np.zeros(m, np.int64), np.zeros(m), np.zeros(n), np.zeros(n), None,
     )  # fmt: skip
 
 
@@ -124,6 +124,7 @@ def limb_in(limb, world, s):
         limb.joints, limb.low, limb.high, limb.carriers, limb.ends, limb.radii, pairs,
         limb.ignored, limb.tails, reach, thickness, length, limb.start, limb.rates, limb.frames,
         limb.axes, limb.reaches, limb.balls, limb.near, limb.ways, limb.turns, limb.paces,
+        limb.tree,
     )  # fmt: skip
 
 
@@ -172,7 +173,7 @@ def beside(limb, own, k):
         limb.joints, limb.low, limb.high, limb.carriers, limb.ends, limb.radii, limb.pairs,
         limb.ignored, limb.tails, limb.reach, limb.thickness, limb.length, limb.start, limb.rates,
         own.frames[k], own.axes[k], own.reaches[k], own.balls[k], own.near, own.ways, own.turns,
-        own.paces,
+        own.paces, limb.tree,
     )  # fmt: skip
 
 
