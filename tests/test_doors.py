@@ -31,9 +31,8 @@ MIXED = {
     "gcm_learn.planners.joints.accelerated",
     "gcm_learn.planners.joints.straight",
     "gcm_learn.planners.baselines.st_rrt_star_joints",
-    "gcm_learn.recall.passing",
-    "gcm_learn.recall.synthetic",
     "gcm_learn.recall.waypoints",
+    "gcm_learn.recall.growth",
     "gcm_learn.scene.packing",
 }
 """Files that pass a door although fewer than half of their functions are kernels."""

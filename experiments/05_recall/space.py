@@ -27,7 +27,7 @@ from experiments.common.judging import Referee, outcome
 from gcm_learn.arms import CHAIN
 from gcm_learn.dataset import make_item, read_spec
 from gcm_learn.planners import get_planner
-from gcm_learn.recall import ChangeIndex, RandomIndex, RawIndex, shipped_memory
+from gcm_learn.recall import RandomIndex, RawIndex, shipped_memory
 
 HERE = Path(__file__).resolve().parent
 SEEDS = {"space": 3437426931, "space-accelerated": 885590443, "recall-panda": 240_101}
@@ -47,7 +47,6 @@ def of_panda() -> dict[str, Any]:
     memory = shipped_memory("recall", CHAIN)
     situations = memory.situations()
     indexes: dict[str, Any] = {
-        "recall-change": ChangeIndex.fit(situations),
         "recall-raw": RawIndex.fit(situations),
         "recall-random": RandomIndex(),
     }

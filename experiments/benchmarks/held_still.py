@@ -301,7 +301,7 @@ def memory(variety: str) -> Any:
 
 
 def memories() -> Iterator[Group]:
-    """Waypoints of plans, features of situations, and a memory that grows."""
+    """Waypoints of plans, and features of situations."""
 
     def waypoints(name: str, situation: Any) -> Any:
         from gcm_learn.recall import waypoints_of
@@ -328,22 +328,11 @@ def memories() -> Iterator[Group]:
         place = kept.index.embed_query(situation)
         return [place, kept.recall(place, 20)]
 
-    def grown(variety: str, k: int) -> Any:
-        from gcm_learn.recall import Memory, RawIndex, grow
-
-        families = ("gate", "behind-mover") if variety == "planar" else ("door-space", "tray-space")
-        found = [drawn(variety, family, i) for i in range(12) for family in families]
-        kept = Memory(RawIndex.fit(found), kind=memory(variety).kind)
-        steps = [tuple(vars(step).values()) for step in grow(kept, found, most=(6, 12)[k])]
-        return [steps, kept.knots, kept.goals, kept.labels, kept.uses]
-
     for name in ("straight", "layered"):
         yield from about("waypoints", name, FEW, partial(waypoints, name))
     yield from about("features", "raw", MOST, raw)
     yield from about("features", "clearance", MOST, features)
     yield from about("features", "embedding", FEW, recalled)
-    for variety in ("planar", "spatial"):
-        yield Group(f"memories grown {variety} some", 2, partial(grown, variety))
 
 
 def arenas() -> Iterator[Group]:

@@ -14,13 +14,12 @@ except ImportError as _error:  # pragma: no cover - depends on what is installed
     ) from _error
 
 from gcm_learn.dataset.cases import planner_of
-from gcm_learn.dataset.feeding import WINDOW, Example, MapCache
+from gcm_learn.dataset.cells import WINDOW, Example, MapCache
 from gcm_learn.dataset.folder import Folder
 from gcm_learn.dataset.generation import Estimate, estimate, generate
-from gcm_learn.dataset.item import make_item, warm_up
+from gcm_learn.dataset.item import make_item, quantities_of, warm_up
 from gcm_learn.dataset.kinds import kind_of_version
 from gcm_learn.dataset.manifest import Manifest, faults_of, survey
-from gcm_learn.dataset.parameters import quantities_of
 from gcm_learn.dataset.reader import Dataset
 from gcm_learn.dataset.reader import open_dataset as open
 from gcm_learn.dataset.record import Record

@@ -1,21 +1,29 @@
-"""Maps and plans as cells of a table, and back."""
+"""Maps and plans as cells of a table, and back; maps as training reads them.
+
+A Parquet file is decoded a hundred records at a time, which suits streams but not training that
+jumps about.  So there is a cache of plain arrays, built once and shared by all processes.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pyarrow as pa
 
 from gcm_learn.arms import Kind
 from gcm_learn.charts import Lattice
-from gcm_learn.dataset.arm_columns import BITS, COUNT, NUMBER, WORD
-from gcm_learn.dataset.kinds import RECORDS
+from gcm_learn.dataset.kinds import BITS, COUNT, NUMBER, RECORDS, WORD
 from gcm_learn.maps import CognitiveMap, Interception
 from gcm_learn.motion import Failure
 from gcm_learn.planners import Plan
+from gcm_learn.seeding import rng
 from gcm_learn.situation import AnySituation, Situation
+from gcm_learn.storage import whole_folder
 from gcm_learn.wave import WaveParams
 
 UNREACHED = 65535  # step count of cells without an arrival
@@ -141,3 +149,181 @@ def plan_of(situation: AnySituation, planner: str, cells: Mapping[str, Any]) -> 
         on_the_way=_on_the_way(cells),
         format=situation.format,
     )
+
+
+COLUMNS = ("index", "arrival", "effective_obstacles", "quantum", "horizon")
+"""Columns of an example."""
+CHANNELS = ("reached", "arrival", "obstacle")
+FILES = ("index", "arrival", "obstacles", "quantum", "horizon")
+"""The arrays of a cache, in the order of COLUMNS."""
+WINDOW = 4000  # examples among which the next one of a stream is drawn
+
+
+@dataclass(frozen=True, slots=True)
+class Example:
+    """The map of a record, without what it takes to plan on it."""
+
+    index: int
+    """Of the record's item."""
+    arrival: np.ndarray
+    """(n, n) uint16: steps of `quantum` seconds, 65535 where there is no arrival."""
+    obstacles: np.ndarray
+    """(n * n / 8,) uint8: bits of the effective obstacles, row by row."""
+    quantum: float
+    """[s]"""
+    horizon: float
+    """[s]"""
+    labels: Mapping[str, Any]
+    """The requested columns."""
+
+    def image(self) -> np.ndarray:
+        """The map as a picture (3, n, n) float32 of CHANNELS; arrivals are shares of the horizon.
+
+        Cells without an arrival have 0, so that every number is within [0, 1].
+        """
+        n = self.arrival.shape[0]
+        out = np.empty((len(CHANNELS), n, n), dtype=np.float32)
+        np.less(self.arrival, UNREACHED, out=out[0])
+        np.multiply(self.arrival, np.float32(self.quantum / self.horizon), out=out[1])
+        out[1] *= out[0]
+        out[2] = np.unpackbits(self.obstacles, count=n * n).reshape(n, n)
+        return out
+
+
+class MapCache(Sequence[Example]):
+    """The maps of a dataset, or of a part of one, at random.
+
+    Parameters
+    ----------
+    folder : Path
+        Where the arrays are.
+    rows : (m,) ndarray of int
+        Which of their rows.
+    labels : mapping of str to ndarray
+        Columns (m,) that examples carry.
+    """
+
+    def __init__(self, folder: Path, rows: np.ndarray, labels: dict[str, np.ndarray]) -> None:
+        self.folder, self._rows, self._labels = folder, rows, labels
+        arrays = {name: np.load(folder / f"{name}.npy", mmap_mode="r") for name in FILES}
+        # Plain arrays over the same memory: what numpy does for a memmap costs more than the read.
+        self.arrival = arrays["arrival"].view(np.ndarray)
+        """(m, n, n) uint16: arrivals of all records of the cache."""
+        self.obstacles = arrays["obstacles"].view(np.ndarray)
+        """(m, n * n / 8) uint8: bits of their effective obstacles."""
+        self._small = {name: np.array(arrays[name]) for name in ("quantum", "horizon", "index")}
+
+    def __len__(self) -> int:
+        return len(self._rows)
+
+    def __getitem__(self, k: Any) -> Any:
+        """Return example k, or the examples of a slice as a cache."""
+        labels = {name: column[k] for name, column in self._labels.items()}
+        if isinstance(k, slice):
+            return MapCache(self.folder, self._rows[k], labels)
+        row, small = self._rows[k], self._small
+        return Example(
+            index=int(small["index"][row]),
+            arrival=self.arrival[row],
+            obstacles=self.obstacles[row],
+            quantum=float(small["quantum"][row]),
+            horizon=float(small["horizon"][row]),
+            labels=labels,
+        )
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Other processes map the same files."""
+        return MapCache, (self.folder, self._rows, self._labels)
+
+
+def build_cache(place: Path, n: int, count: int, tables: Iterable[pa.Table]) -> None:
+    """Copy maps into arrays; they appear all at once.
+
+    Parameters
+    ----------
+    place : Path
+        Where they are to be.
+    n : int
+        Cells along a side.
+    count : int
+        How many maps there are.
+    tables : iterable of Table
+        COLUMNS of all of them, some at a time.
+    """
+    kinds = ("i8", "<u2", "u1", "f8", "f8")
+    shapes: tuple[tuple[int, ...], ...] = ((), (n, n), (-(-n * n // 8),), (), ())
+    with whole_folder(place) as folder:
+        files = [
+            np.lib.format.open_memmap(folder / f"{name}.npy", "w+", kind, (count, *shape))
+            for name, kind, shape in zip(FILES, kinds, shapes, strict=True)
+        ]
+        first = 0
+        for table in tables:
+            for name, file in zip(COLUMNS, files, strict=True):
+                file[first : first + len(table)] = _values(table[name], file)
+            first += len(table)
+        for file in files:
+            file.flush()
+
+
+def _values(column: pa.ChunkedArray, like: np.ndarray) -> np.ndarray:
+    """A column as an array; binary cells become rows."""
+    if pa.types.is_binary(column.type):
+        cells = b"".join(column.to_pylist())
+        return np.frombuffer(cells, like.dtype).reshape(-1, *like.shape[1:])
+    return column.to_numpy()
+
+
+def stream(
+    read: Callable[[int], pa.Table],
+    groups: int,
+    seed: int,
+    epoch: int,
+    *,
+    window: int,
+    labels: Sequence[str],
+    part: tuple[int, int],
+) -> Iterator[Example]:
+    """All maps once: groups come in a random order, and each map takes a random one's place.
+
+    Parameters
+    ----------
+    read : callable
+        ``read(k)`` gives COLUMNS and labels of the k-th group of records.
+    groups : int
+        How many there are.
+    seed, epoch, window, labels, part
+        See `Dataset.stream`.
+
+    Yields
+    ------
+    Example
+    """
+    order = rng(seed, epoch, 0).permutation(groups)  # the same in all parts, which share it out
+    draw = rng(seed, epoch, 1, *part)
+    held: list[Example] = []
+    for k in order[part[0] :: part[1]]:
+        for example in _examples(read(k), labels):
+            if len(held) < window:
+                held.append(example)
+                continue
+            place = int(draw.integers(window))
+            held[place], example = example, held[place]
+            yield example
+    for k in draw.permutation(len(held)):
+        yield held[k]
+
+
+def _examples(table: pa.Table, labels: Sequence[str]) -> Iterator[Example]:
+    columns = {name: table[name].to_pylist() for name in table.column_names}
+    for k in range(len(table)):
+        arrival = np.frombuffer(columns["arrival"][k], "<u2")
+        n = round(len(arrival) ** 0.5)
+        yield Example(
+            index=columns["index"][k],
+            arrival=arrival.reshape(n, n),
+            obstacles=np.frombuffer(columns["effective_obstacles"][k], np.uint8),
+            quantum=columns["quantum"][k],
+            horizon=columns["horizon"][k],
+            labels={name: columns[name][k] for name in labels},
+        )

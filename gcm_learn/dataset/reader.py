@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, overload
 import numpy as np
 import pyarrow as pa
 
-from gcm_learn.dataset import feeding
-from gcm_learn.dataset.feeding import COLUMNS, WINDOW, Example, MapCache
+from gcm_learn.dataset.cells import COLUMNS, WINDOW, Example, MapCache, build_cache, stream
 from gcm_learn.dataset.folder import SHARDS, Folder
 from gcm_learn.dataset.manifest import Manifest, read_manifest, spec_of
 from gcm_learn.dataset.record import LABELS, Record, Row, version_of
@@ -188,7 +187,7 @@ class Dataset(Sequence[Record]):
         place = Path(folder or self.folder.caches()) / key[:16]
         if not place.exists():
             blocks = (whole[k : k + BLOCK].table(COLUMNS) for k in range(0, len(whole), BLOCK))
-            feeding.build_cache(place, self.spec.n, len(whole), blocks)
+            build_cache(place, self.spec.n, len(whole), blocks)
         rows = np.searchsorted(indices, self.column("index"))
         return MapCache(place, rows, {name: self.column(name) for name in labels})
 
@@ -220,7 +219,7 @@ class Dataset(Sequence[Record]):
         """
         self._check_maps()
         groups = self.groups()
-        return feeding.stream(
+        return stream(
             lambda k: self.read_group(groups[k], [*COLUMNS, *labels]),
             len(groups), seed, epoch, window=window, labels=labels, part=part,
         )  # fmt: skip

@@ -14,10 +14,9 @@ import numpy as np
 import pyarrow as pa
 
 from gcm_learn.arms import Base
-from gcm_learn.dataset.arm_columns import COUNT, NUMBER, WORD, Types
 from gcm_learn.dataset.cases import OracleLabel
 from gcm_learn.dataset.cells import MAP, map_cells, map_of, plan_cell, plan_of
-from gcm_learn.dataset.kinds import RECORDS
+from gcm_learn.dataset.kinds import COUNT, NUMBER, RECORDS, WORD, Types
 from gcm_learn.dataset.spec import STRATA, DatasetSpec
 from gcm_learn.dataset.splits import QUANTITIES
 from gcm_learn.maps import CognitiveMap

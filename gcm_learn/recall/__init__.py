@@ -4,33 +4,27 @@
 >>> memory = Memory(RawIndex.fit(situations))                         # doctest: +SKIP
 >>> memory.add([situation], [waypoints_of(situation, plan)])           # doctest: +SKIP
 >>> RecallPlanner(memory).plan(another)                               # doctest: +SKIP
-
-A memory of at most 300 catches that learns while it acts:
-
->>> steps = grow(memory, situations, most=300)                         # doctest: +SKIP
 """
 
 from typing import TYPE_CHECKING
 
 from gcm_learn.late import late_names
 from gcm_learn.recall.adaptation import Adaptation, adapt, transfer
-from gcm_learn.recall.change import ChangeIndex
 from gcm_learn.recall.encoder import CONFIG, Encoder, EncoderConfig, load_encoder, save_encoder
+from gcm_learn.recall.features import map_picture
 from gcm_learn.recall.files import MANIFEST, is_memory
-from gcm_learn.recall.growth import Coverage, grow, remember
+from gcm_learn.recall.growth import remember
 from gcm_learn.recall.index import (
     Index,
     LearnedIndex,
     PcaIndex,
     RandomIndex,
     RawIndex,
+    index_class,
     nearest_rows,
 )
-from gcm_learn.recall.indexes import index_class
 from gcm_learn.recall.kinds import MEMORIES, raw_features, waypoints_of
 from gcm_learn.recall.lessons import Sizes
-from gcm_learn.recall.map_features import map_picture
-from gcm_learn.recall.passing import passing, passing_of
 from gcm_learn.recall.planners import (
     HybridPlanner,
     RecallPlanner,
@@ -44,7 +38,7 @@ from gcm_learn.recall.planners import (
 )
 from gcm_learn.recall.raw_features import Scale
 from gcm_learn.recall.store import Entry, Memory
-from gcm_learn.recall.waypoints import Waypoints, path_of, ring_share
+from gcm_learn.recall.waypoints import Waypoints, passing, passing_of, path_of, ring_share
 
 if TYPE_CHECKING:
     from gcm_learn.recall.training import Effort, Trainer, write_model
@@ -63,8 +57,6 @@ __all__ = [
     "Adaptation",
     "Best",
     "CONFIG",
-    "ChangeIndex",
-    "Coverage",
     "Effort",
     "Encoder",
     "EncoderConfig",
@@ -89,7 +81,6 @@ __all__ = [
     "TransferLabels",
     "Waypoints",
     "adapt",
-    "grow",
     "has_memory",
     "index_class",
     "is_memory",

@@ -1,4 +1,10 @@
-"""Features of situations."""
+"""Features of situations, of their maps, and of remembered paths.
+
+Validity of a memory depends on its knots and its goal, and on nothing else of the situation that it
+comes from. Knots lie at corners and waits, so a single one says little; the path is also sampled at
+equal shares of its length. Of a joint movement the straight line from start to end is kept apart
+from the rest, since an adaptation moves both ends.
+"""
 
 from __future__ import annotations
 
@@ -6,6 +12,16 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+
+from gcm_learn.arms import SpatialArm
+from gcm_learn.charts import PostureLattice
+from gcm_learn.compiled import njit
+from gcm_learn.maps import CognitiveMap, build_map
+from gcm_learn.recall.joint_moves import EARLIEST, TIME
+from gcm_learn.recall.joint_moves import KNOTS as JOINT_KNOTS
+from gcm_learn.recall.waypoints import GOAL
+from gcm_learn.situation import Situation, canonical
+from gcm_learn.wave import MarchingParams
 
 TOUCH = 1.5  # number of a limb that touches; just free of it is 1, free by far is 0
 STEPS = 170  # of a cell's number between 0 and 1, where features are stored in bytes
@@ -38,3 +54,200 @@ def batched(features: Sequence[Features]) -> FeatureBatch:
     whose = np.repeat(np.arange(len(features)), [len(c) for c in cells])
     whole = np.concatenate(cells)
     return FeatureBatch(np.array([one.context for one in features]), whole, whose)
+
+
+CELLS = 40  # along a side of the maps of the plane
+DIRECTIONS, RINGS = 32, 10
+COARSE, POSTURES, SIDE = 24, 4, 12  # cells along a side in space, postures, blocks along a side
+FIELDS = 3
+WAY = 3.0  # of the hand, for which a planar arrival is 1 [forearm lengths]
+
+
+def planar_map_features(situation: Situation) -> np.ndarray:
+    """Return features (965,) float32 of the map of a planar situation in any frame.
+
+    Fields on a polar lattice: arrival, cells with an arrival, effective obstacles. Then the
+    contact: found, its direction, its distance, its time.
+    """
+    turned, _ = canonical(situation)
+    chart = build_map(turned, MarchingParams(n=CELLS))
+    arm = turned.arm
+    rows, columns = _cells(chart.lattice.centres, arm.inner_reach, arm.reach)
+    speed = arm.max_hand_speed / WAY
+    fields = _fields(chart)[:, rows, columns]
+    fields[0] *= speed
+    contact = np.zeros(5)
+    if chart.interception is not None:
+        (x, y), when = chart.interception.position, chart.interception.time
+        r = np.hypot(x, y)
+        share = (r - arm.inner_reach) / (arm.reach - arm.inner_reach)
+        contact[:] = 1.0, x / r, y / r, 2.0 * share - 1.0, when * speed
+    return np.concatenate([fields.ravel(), contact]).astype(np.float32)
+
+
+def spatial_map_features(situation: Situation[SpatialArm]) -> np.ndarray:
+    """Return features (5189,) float32 of a coarse map of a spatial arm's situation in any frame.
+
+    The same fields on blocks of two cells a side of hand-space, means over their cells: the first
+    arrival in any posture [horizons], cells with an arrival, effective obstacles in any posture.
+    Then the contact: found, its place, its time. The front has no margin: a key promises nothing.
+    """
+    turned, _ = canonical(situation)
+    params = MarchingParams(n=COARSE, margin=0.0)
+    made = build_map(turned, params, chart=PostureLattice(turned.arm, COARSE, POSTURES))
+    arrival, there, walls = _fields(made)
+    first = np.where(there > 0.0, arrival, np.inf).min(axis=-1) / turned.horizon
+    cells = np.stack([first, there.max(axis=-1), walls.max(axis=-1)])
+    cells[0, cells[1] == 0.0] = 0.0
+    block = COARSE // SIDE
+    blocks = cells.reshape(FIELDS, SIDE, block, SIDE, block, SIDE, block).mean(axis=(2, 4, 6))
+    contact = np.zeros(5)
+    if made.interception is not None:
+        place = np.array(made.interception.position) / turned.arm.reach
+        contact[:] = 1.0, *place, made.interception.time / turned.horizon
+    return np.concatenate([blocks.ravel(), contact]).astype(np.float32)
+
+
+def _fields(made: CognitiveMap) -> np.ndarray:
+    """Return arrival, nodes with an arrival, and effective obstacles (FIELDS, ...) of a map."""
+    there = ~np.ma.getmaskarray(made.arrival)
+    return np.stack([made.arrival.filled(0.0), there, made.effective_obstacles], dtype=float)
+
+
+def _cells(centres: np.ndarray, near: float, far: float) -> tuple[np.ndarray, np.ndarray]:
+    """Rows and columns (RINGS, DIRECTIONS) of the lattice's cells that the polar ones lie in."""
+    r = near + (np.arange(RINGS)[:, None] + 0.5) / RINGS * (far - near)
+    a = 2.0 * np.pi * np.arange(DIRECTIONS)[None] / DIRECTIONS
+    step = centres[1] - centres[0]
+    last = len(centres) - 1
+    rows = np.clip(np.rint((r * np.sin(a) - centres[0]) / step), 0, last).astype(int)
+    columns = np.clip(np.rint((r * np.cos(a) - centres[0]) / step), 0, last).astype(int)
+    return rows, columns
+
+
+def map_picture(situation: Situation) -> np.ndarray:
+    """Map of a situation in its canonical frame, as numbers (2 CELLS CELLS,) float32.
+
+    Arrival as a share of the horizon, or 1 without arrival, and the effective obstacles.
+    """
+    turned, _ = canonical(situation)
+    made = build_map(turned, MarchingParams(n=CELLS))
+    arrival = np.minimum(made.arrival.filled(np.inf) / situation.horizon, 1.0)
+    return np.concatenate([arrival.ravel(), made.effective_obstacles.ravel()]).astype(np.float32)
+
+
+SAMPLES = 16  # equal shares of a hand path's length
+PER_KNOT, PER_SAMPLE, WHOLE = 8, 5, 7
+HUB = 0.1  # added to shares of the ring for lengths, so that a hand at the shoulder moves
+PARTS = 12  # equal shares of a joint movement's length
+PER_JOINT_KNOT, ENTIRE = 3, 4
+_SMALL = 1e-6  # added to the length of a piece [rad]
+
+
+def count(knots: int) -> int:
+    """Features of a path with so many knots."""
+    return PER_KNOT * knots + PER_SAMPLE * SAMPLES + WHOLE
+
+
+def joint_count(joints: int) -> int:
+    """Features of a movement of so many joints."""
+    per_part = 2 * joints + 1
+    return PARTS * per_part + JOINT_KNOTS * PER_JOINT_KNOT + 3 * joints + ENTIRE + GOAL
+
+
+def hand_path_features(knots: np.ndarray, goals: np.ndarray) -> np.ndarray:
+    """Features (n, count(k)) float32 of remembered paths.
+
+    Parameters
+    ----------
+    knots : (n, k, 4) ndarray
+        Rows (direction of the hand [rad], share of the ring, time [s], earliest [s] or 0).
+    goals : (n, 2) ndarray
+        Direction and share of the target's centre.
+    """
+    out = np.zeros((len(knots), count(knots.shape[1])), dtype=np.float32)
+    _fill(knots.astype(np.float64), goals.astype(np.float64), out)
+    return out
+
+
+@njit
+def _fill(knots, goals, out):
+    """Fill in the features of all paths."""
+    n, size = knots.shape[0], knots.shape[1]
+    cum = np.zeros(size)
+    for m in range(n):
+        at, latest = 0, 0.0
+        for k in range(size):
+            a, ring, t, earliest = (
+                knots[m, k, 0], knots[m, k, 1], knots[m, k, 2], knots[m, k, 3],
+            )  # fmt: skip
+            latest = max(latest, earliest)
+            at = _place(a, ring, t, m, at, out)
+            out[m, at] = 1.0 if earliest > 0.0 else 0.0
+            out[m, at + 1], out[m, at + 2] = earliest, latest
+            at += 3
+            if k > 0:
+                turn, width = a - knots[m, k - 1, 0], ring - knots[m, k - 1, 1]
+                mean = 2.0 * (0.5 * (ring + knots[m, k - 1, 1]) + HUB)
+                cum[k] = cum[k - 1] + np.sqrt((2.0 * width) ** 2 + (mean * turn) ** 2)
+        whole = cum[size - 1]
+        k = 0
+        for j in range(SAMPLES):
+            want = whole * (j + 0.5) / SAMPLES
+            while k < size - 2 and cum[k + 1] < want:
+                k += 1
+            span = cum[k + 1] - cum[k]
+            s = min(max((want - cum[k]) / span, 0.0), 1.0) if span > 1e-12 else 1.0
+            a = knots[m, k, 0] + s * (knots[m, k + 1, 0] - knots[m, k, 0])
+            ring = knots[m, k, 1] + s * (knots[m, k + 1, 1] - knots[m, k, 1])
+            t = knots[m, k, 2] + s * (knots[m, k + 1, 2] - knots[m, k, 2])
+            at = _place(a, ring, t, m, at, out)
+        at = _place(goals[m, 0], goals[m, 1], knots[m, size - 1, 2], m, at, out)
+        out[m, at], out[m, at + 1] = 0.5 * whole, latest
+
+
+@njit
+def _place(a, ring, t, m, at, out):
+    """Fill in a place of the hand and its time; where the next feature goes."""
+    out[m, at], out[m, at + 1] = np.cos(a), np.sin(a)
+    out[m, at + 2] = a / np.pi
+    out[m, at + 3] = 2.0 * ring - 1.0
+    out[m, at + 4] = 2.0 * t - 1.0
+    return at + 5
+
+
+def joint_path_features(knots: np.ndarray, goals: np.ndarray) -> np.ndarray:
+    """Features (n, joint_count(m)) float32 of remembered movements of m joints.
+
+    Parameters
+    ----------
+    knots, goals : (n, JOINT_KNOTS, m + 2), (n, GOAL) ndarray
+        As of `Waypoints`.
+    """
+    n = len(knots)
+    if n == 0:
+        return np.zeros((0, joint_count(knots.shape[2] - 2)), np.float32)
+    joints, time = knots[:, :, :TIME].astype(float), knots[:, :, TIME].astype(float)
+    pieces = np.abs(np.diff(joints, axis=1)).max(axis=2) + _SMALL
+    share = np.concatenate([np.zeros((n, 1)), np.cumsum(pieces, axis=1)], axis=1)
+    length = share[:, -1]
+    share /= length[:, None]
+    at = np.arange(1, PARTS + 1) / PARTS
+    rows = np.arange(n)[:, None]
+    k = np.clip((share[:, :, None] < at).sum(axis=1) - 1, 0, JOINT_KNOTS - 2)
+    s = (at - share[rows, k]) / (share[rows, k + 1] - share[rows, k])
+    there = joints[rows, k] + s[..., None] * (joints[rows, k + 1] - joints[rows, k])
+    when = time[rows, k] + s * (time[rows, k + 1] - time[rows, k])
+    first, last = joints[:, 0], joints[:, -1]
+    line = first[:, None] + at[:, None] * (last - first)[:, None]
+    waits = knots[:, :, EARLIEST]
+    parts = [
+        np.concatenate([there, there - line, when[..., None]], axis=2).reshape(n, -1),
+        np.stack([time, waits, waits > 0.0], axis=2).reshape(n, -1),
+        first,
+        last,
+        last - first,
+        np.stack([length, time[:, -1], waits.max(axis=1), pieces.max(axis=1)], axis=1),
+        goals,
+    ]
+    return np.concatenate(parts, axis=1).astype(np.float32)

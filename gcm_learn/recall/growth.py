@@ -1,46 +1,194 @@
-"""Memories that are made: of datasets, or by experience.
+"""Memories that are made of the catches of a dataset, or of movements without experience.
 
-A memory that grows with experience remembers what it could not recall and what was then planned
-anew. It skips what is already covered, as Thunder does (Coleman, Sucan, Moll, Okada and Correll,
-ICRA 2015). So the memory grows ever more slowly, and is filled with hard cases. Under a limit it
-drops entries that others cover: it keeps a book of its situations, and of which memories catch
-there.
+Synthetic movements are the control for what stored catches add. They go to a random posture that
+meets a target, by a random detour. Their length, time and wait are drawn from those of catches.
+Obstacles have no influence on them.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from itertools import islice
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from gcm_learn import seeding
-from gcm_learn.arms import Kind
+from gcm_learn.arms import PLANAR, SIDE, ByKind, Kind, forward, joints_of
+from gcm_learn.compiled import njit
 from gcm_learn.errors import RecallError
-from gcm_learn.planners import Plan, Planner, get_planner
+from gcm_learn.motion import Movement
+from gcm_learn.planners.joints.meetings import meets
 from gcm_learn.processes import crew_of
-from gcm_learn.recall.adaptation import Adaptation
-from gcm_learn.recall.book import WORKS
-from gcm_learn.recall.index import Index
-from gcm_learn.recall.indexes import index_class
+from gcm_learn.recall.index import Index, index_class
 from gcm_learn.recall.kinds import MEMORIES, waypoints_of
-from gcm_learn.recall.planners import RecallPlanner, Recollection
-from gcm_learn.recall.store import Forgotten, Memory
-from gcm_learn.recall.synthetic import Synthetic, habits_of
+from gcm_learn.recall.store import Memory
 from gcm_learn.recall.waypoints import Waypoints
-from gcm_learn.situation import Situation, canonical
+from gcm_learn.scene.bodies import pose_at
 
 if TYPE_CHECKING:
     from gcm_learn.dataset import Dataset, Record
+
+
+TRIES = 24  # postures that are drawn for one movement
+SAMPLES = 33  # of a movement
+BEND = 0.25, 0.75  # shares of the way at which a detour bends
+STILL = 1e-3  # turn of the joints that is not yet a movement [rad]
+STUDIED = 2000  # catches whose lengths are known, at most
+
+
+class Habit(NamedTuple):
+    """Length and times of a catch, and nothing else of it."""
+
+    length: float
+    """Way in the joints [rad]."""
+    end: float
+    """Time of the catch [horizons]."""
+    wait: float
+    """Rest before the movement begins [times of the catch]."""
+
+
+def habits_of(records: Iterable[Record]) -> tuple[Habit, ...]:
+    """Return lengths and times of the earliest catches of some records.
+
+    Raises
+    ------
+    RecallError
+        If there is no catch.
+    """
+    pairs = ((record.earliest(), record.situation.horizon) for record in records)
+    habits = (_habit(plan.trajectory, horizon) for plan, horizon in pairs if plan is not None)
+    found = tuple(islice(habits, STUDIED))
+    if not found:
+        raise RecallError("the dataset has no catches, whose lengths synthetic movements take")
+    return found
+
+
+def _habit(path: Any, horizon: float) -> Habit:
+    turns = np.linalg.norm(np.diff(path.joints, axis=0), axis=1)
+    moved = np.linalg.norm(path.joints - path.joints[0], axis=1) > STILL
+    begins, end = path.time[max(int(np.argmax(moved)) - 1, 0)], float(path.time[-1])
+    return Habit(float(turns.sum()), end / horizon, float(begins) / end if end > 0.0 else 0.0)
+
+
+@dataclass(frozen=True)
+class Synthetic:
+    """Source of synthetic movements, one for a record.
+
+    Parameters
+    ----------
+    habits : tuple of Habit
+        See `habits_of`.
+    seed : int
+        Decides a record's movement, together with its number.
+    """
+
+    habits: tuple[Habit, ...]
+    seed: int = 0
+
+    def __call__(self, record: Record) -> Waypoints | None:
+        """Return a movement in a record's situation, or None without a posture that meets."""
+        situation, rng = record.situation, seeding.rng(self.seed, record.index)
+        habit = self.habits[int(rng.integers(len(self.habits)))]
+        targets = [k for k, body in enumerate(situation.bodies) if body.role == "target"]
+        body = targets[int(rng.integers(len(targets)))]
+        kind, end = MEMORIES.of(situation), habit.end * situation.horizon
+        draw, move = _KINDS.of(situation)
+        problem = kind.problem(situation, "synthetic")
+        drawn = draw(problem, body, end, rng)
+        if drawn is None:
+            return None
+        start, goals, ends = drawn
+        away = np.linalg.norm(goals - start, axis=1)
+        near = np.flatnonzero(away <= habit.length)
+        goal = goals[near[0] if len(near) else int(np.argmin(away))]
+        joints = _way(start, goal, ends, habit.length, rng)
+        time = np.linspace(habit.wait * end, end, len(joints))
+        if time[0] > 0.0:
+            time, joints = np.append(0.0, time), np.vstack([joints[:1], joints])
+        return kind.waypoints_of(situation, move(situation.arm, time, joints), body)
+
+
+def _way(
+    start: np.ndarray,
+    goal: np.ndarray,
+    ends: tuple[np.ndarray, np.ndarray],
+    length: float,
+    rng: np.random.Generator,
+) -> np.ndarray:
+    """Return joints (SAMPLES, n) on a way of a length [rad] from start to goal, with one bend."""
+    straight, side = goal - start, rng.normal(size=start.size)
+    least = float(np.linalg.norm(straight))
+    if least > 0.0:
+        side -= straight * (side @ straight) / least**2
+    aside = 0.5 * math.sqrt(max(length * length - least * least, 0.0))
+    bend = start + rng.uniform(*BEND) * straight
+    bend += aside * side / max(float(np.linalg.norm(side)), 1e-12)
+    corners = np.array([start, np.clip(bend, *ends), goal])
+    way = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(corners, axis=0), axis=1))])
+    at = np.linspace(0.0, way[-1], SAMPLES)
+    return np.stack([np.interp(at, way, column) for column in corners.T], axis=1)
+
+
+Drawn = tuple[np.ndarray, np.ndarray, tuple[np.ndarray, np.ndarray]]
+"""Joints (n,) of the start, postures (m, n) that meet a target, and ends of the joints' ranges."""
+
+
+def _hand_goals(problem: Any, body: int, end: float, rng: np.random.Generator) -> Drawn | None:
+    """Draw places on a disc within grasp of a target's centre, and their postures."""
+    arm, poses = problem.situation.arm, np.zeros((len(problem.situation.bodies), 12))
+    pose_at(problem.bodies, body, end, poses)
+    angles, near = rng.uniform(0.0, 2.0 * math.pi, TRIES), arm.grasp * np.sqrt(rng.random(TRIES))
+    hands = poses[body, :2] + near[:, None] * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    radius = np.hypot(*hands.T)
+    hands = hands[(radius < arm.reach) & (radius > arm.inner_reach)]
+    if len(hands) == 0:
+        return None
+    side = SIDE[arm.elbow]
+    start = joints_of(np.array([arm.hand]), arm.upper_arm, side)[0]
+    goals = joints_of(hands, arm.upper_arm, side)
+    goals[:, 0] = start[0] + np.remainder(goals[:, 0] - start[0] + math.pi, 2.0 * math.pi) - math.pi
+    bent = np.sort([0.0, start[1], math.copysign(math.pi, start[1])])[[0, 2]]
+    return start, goals, (np.array([-np.inf, bent[0]]), np.array([np.inf, bent[1]]))
+
+
+def _hand_movement(arm: Any, time: np.ndarray, joints: np.ndarray) -> Movement:
+    return Movement.of_hand(arm, time, forward(joints, arm.upper_arm))
+
+
+def _joint_goals(problem: Any, body: int, end: float, rng: np.random.Generator) -> Drawn | None:
+    """Draw postures that the start reaches in time and pull them to a target."""
+    limb, goals = problem.scene.limb, rng.random((TRIES, problem.study.goal.size))
+    met = _meeting(problem.study, body, end, goals)
+    return (limb.start, goals[met], (limb.low, limb.high)) if met.any() else None
+
+
+@njit
+def _meeting(study, b, t, goals):
+    """Turn drawn postures (m, n) until they catch body b at t [s]; return which do (m,)."""
+    met = np.zeros(goals.shape[0], dtype=np.bool_)
+    for k in range(goals.shape[0]):
+        met[k] = meets(study, b, t, goals[k])
+    return met
+
+
+class _Kind(NamedTuple):
+    """Synthetic movements of one kind of arm."""
+
+    draw: Callable[[Any, int, float, np.random.Generator], Drawn | None]
+    move: Callable[[Any, np.ndarray, np.ndarray], Movement]
+
+
+_KINDS = ByKind({PLANAR: _Kind(_hand_goals, _hand_movement)}, default=_Kind(_joint_goals, Movement))
+
 
 CHUNK = 500  # records that are filed at once
 FITTED = 5000  # situations at most that an index is fitted to
 Source = Callable[["Record"], "Waypoints | None"]
 """Movement of a record, if it has one."""
-RETRIED = 64  # situations of the book at most in which a fresh memory is tried
 
 
 def remember(
@@ -136,130 +284,3 @@ def catch_of(record: Record, planner: str = "") -> Waypoints | None:
     """Waypoints of a record's catch, of the earliest if no planner is named."""
     plan = record.earliest(planner)
     return None if plan is None else waypoints_of(record.situation, plan)
-
-
-@dataclass(frozen=True)
-class Coverage:
-    """Rule by which a situation counts as covered by what is remembered."""
-
-    slack: float = math.inf
-    """A recalled catch may come this share later than the planned one. Infinite: any recalled catch
-    covers, and no planning is needed to know; -1: none does, and all catches are remembered."""
-
-    def covers(self, recalled: Plan, planned: Plan | None) -> bool:
-        """Return whether a recalled catch makes the planned one superfluous."""
-        if not recalled.caught or recalled.catch_time is None:
-            return False
-        if planned is None or planned.catch_time is None:
-            return True
-        return recalled.catch_time <= planned.catch_time * (1.0 + self.slack)
-
-
-@dataclass(frozen=True)
-class Step:
-    """The state of a memory after an experience."""
-
-    experience: int
-    """Situations met so far."""
-    size: int
-    """Memories."""
-    recalled: bool
-    """True if this situation was caught from memory, before anything was learned from it."""
-    caught: bool
-    """True if it was caught at all."""
-
-
-def grow(
-    memory: Memory,
-    situations: Iterable[Situation],
-    planner: str | Planner = "layered",
-    covered: Coverage | None = None,
-    *,
-    recall: RecallPlanner | None = None,
-    most: int | None = None,
-    forget: Forgotten = "covered",
-    progress: Callable[[int], None] = lambda done: None,
-) -> list[Step]:
-    """Meet situations one after the other; remember what was not covered.
-
-    Parameters
-    ----------
-    memory : Memory
-        Grows in place.
-    situations : iterable of Situation
-    planner : str or Planner
-        Solves what memory does not.
-    covered : Coverage, optional
-        What need not be remembered; by default everything that is recalled.
-    recall : RecallPlanner, optional
-        How is recalled; its memory is replaced by this one.
-    most : int, optional
-        Entries at most.
-    forget : {"covered", "least used", "oldest", "random"}
-        What is forgotten first if there are more, see `Memory.forget_to`. For "covered" what is met
-        is noted in the memory's book, which is saved with it, so that growth can go on later.
-    progress : callable
-        Called with the number of situations met since the last call.
-
-    Returns
-    -------
-    list of Step
-        One for each situation.
-    """
-    rule = Coverage() if covered is None else covered
-    solver = get_planner(planner)
-    how = RecallPlanner(memory) if recall is None else replace(recall, memory=memory)
-    steps: list[Step] = []
-    for situation in situations:
-        found, before = how.recollect(situation), len(memory)
-        caught = _learned(memory, situation, found, solver, rule)
-        if most is not None:
-            valid = before if len(memory) > before else found.memory
-            if forget == "covered" and valid is not None:
-                _booked(memory, situation, valid, valid == before, how.how)
-            memory.forget_to(most, forget, seed=len(steps))
-        step = Step(len(steps) + 1, len(memory), found.plan.caught, caught)
-        steps.append(step)
-        progress(1)
-    return steps
-
-
-def _learned(
-    memory: Memory, situation: Situation, found: Recollection, solver: Planner, rule: Coverage
-) -> bool:
-    """Remember a situation's catch unless it is covered; whether there is a catch."""
-    if found.memory is not None:
-        memory.used(found.memory)
-    if found.plan.status == "start_blocked":
-        return False
-    if found.plan.caught and math.isinf(rule.slack):
-        return True
-    planned = solver.plan(situation)
-    if planned.caught and not rule.covers(found.plan, planned):
-        memory.add([situation], [waypoints_of(situation, planned)])
-    return planned.caught or found.plan.caught
-
-
-def _booked(memory: Memory, situation: Situation, valid: int, fresh: bool, how: Adaptation) -> None:
-    """Note which memories catch in a situation, and where else a fresh one does."""
-    book = memory.book
-    page = book.offered()
-    if page is not None:
-        turned = canonical(situation)[0]  # what is kept, so what is noted is true of it
-        problem = MEMORIES.of(memory.kind).problem(turned, "book")
-        query = memory.index.embed_query(turned, problem.scene)
-        near = memory.recall(query, WORKS)
-        others = near[_catching(memory, problem, near, how) & (near != valid)]
-        book.write(page, turned, query, np.append(valid, others))
-    if fresh:
-        for page in book.thin(memory.embeddings[valid], RETRIED):
-            problem = MEMORIES.of(memory.kind).problem(book.situation(page), "book")
-            if _catching(memory, problem, np.array([valid]), how)[0]:
-                book.note(page, valid)
-
-
-def _catching(memory: Memory, problem: Any, which: np.ndarray, how: Adaptation) -> np.ndarray:
-    """Return whether memories (m,) catch in the situation of a problem."""
-    tries = MEMORIES.of(memory.kind).tries(problem, how)
-    times = tries.catch_times(memory.knots, memory.goals, which)
-    return np.asarray(times >= 0.0)

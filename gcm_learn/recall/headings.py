@@ -14,12 +14,11 @@ import numpy as np
 from gcm_learn.arms import SPATIAL, ByKind
 from gcm_learn.arms.chain_frames import PRISMATIC, line_of, parent_of
 from gcm_learn.arms.chain_limb import ChainLimb, place
-from gcm_learn.arms.limbs import axis_of, hand_of
+from gcm_learn.arms.limbs import hand_of
 from gcm_learn.arms.limbs import place as place_of
 from gcm_learn.arms.spatial_limb import SpatialLimb
 from gcm_learn.compiled import njit
 from gcm_learn.dispatch import by_type
-from gcm_learn.motion.joint_interception import approach_axis, has_approach
 from gcm_learn.scene.bodies import HAND, PART, pose_at
 from gcm_learn.situation import AnySituation, spatial_frame_of
 
@@ -34,11 +33,6 @@ class Heading(NamedTuple):
     origin: np.ndarray  # (3,): a point on the first joint's axis
     shift: np.ndarray  # (n,): joints that are 0 in it [rad]
 
-    def points(self, points: np.ndarray) -> np.ndarray:
-        """Points (..., 3) of the base's frame in this one."""
-        turned: np.ndarray = (points - self.origin) @ self.rows.T
-        return turned
-
 
 @njit(_nrt=False)
 def nearest_target(scene, poses):
@@ -52,30 +46,6 @@ def nearest_target(scene, poses):
             if away < nearest:
                 target, nearest = b, away
     return target
-
-
-@njit
-def track_of(scene, instants):
-    """Places and approaches (instants, 3) of the target, evenly over the horizon.
-
-    Both are in the frame of the base; without an approach its numbers are 0.
-    """
-    places, axes = np.zeros((instants, 3)), np.zeros((instants, 3))
-    poses = np.zeros((scene.bodies.rows.shape[0], 12))
-    target = nearest_target(scene, poses)
-    for k in range(instants):
-        t = scene.limits.horizon * (k + 1) / instants
-        pose_at(scene.bodies, target, t, poses)
-        places[k] = poses[target, :3]
-        if has_approach(scene, target):
-            axes[k, 0], axes[k, 1], axes[k, 2] = approach_axis(scene, target, t, poses)
-    return places, axes
-
-
-@njit
-def axis_at(limb, q):
-    """Axis (3,) of the hand at joints q (n,)."""
-    return np.array(axis_of(limb, place_of(limb, q)))
 
 
 @njit

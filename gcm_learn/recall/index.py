@@ -10,10 +10,10 @@ from typing import Any, ClassVar, Protocol, Self
 import numpy as np
 
 from gcm_learn import seeding
-from gcm_learn.errors import EncoderError, RecallError
+from gcm_learn.errors import EncoderError, RecallError, UnknownNameError
 from gcm_learn.recall.encoder import Encoder, load_encoder, save_encoder
+from gcm_learn.recall.features import map_picture
 from gcm_learn.recall.kinds import MEMORIES, raw_features
-from gcm_learn.recall.map_features import map_picture
 from gcm_learn.recall.raw_features import HAND_COUNT, Scale
 from gcm_learn.recall.waypoints import Waypoints
 from gcm_learn.scene import Scene
@@ -350,3 +350,15 @@ def _components(pictures: np.ndarray, most: int, rng: np.random.Generator) -> np
         basis = np.linalg.qr(pictures.T @ (pictures @ basis))[0]
     _, _, turn = np.linalg.svd(pictures @ basis, full_matrices=False)
     return (turn[:count] @ basis.T).astype(np.float32)
+
+
+_CLASSES: dict[str, type[Index]] = {
+    made.name: made for made in (RawIndex, RandomIndex, PcaIndex, LearnedIndex)
+}
+
+
+def index_class(name: str) -> type[Index]:
+    """The class of a registered index; raises UnknownNameError with the known names."""
+    if name not in _CLASSES:
+        raise UnknownNameError.among("index", name, _CLASSES)
+    return _CLASSES[name]

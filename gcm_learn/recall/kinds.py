@@ -25,10 +25,14 @@ from gcm_learn.recall.adaptation import (
     Tries,
     early_answer_in_space,
 )
-from gcm_learn.recall.features import Features
+from gcm_learn.recall.features import (
+    Features,
+    hand_path_features,
+    joint_path_features,
+    planar_map_features,
+    spatial_map_features,
+)
 from gcm_learn.recall.lessons import Sizes
-from gcm_learn.recall.map_features import planar_map_features, spatial_map_features
-from gcm_learn.recall.path_features import hand_path_features, joint_path_features
 from gcm_learn.recall.raw_features import (
     chain_raw_features,
     hand_raw_features,

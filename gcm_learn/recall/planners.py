@@ -30,7 +30,7 @@ from gcm_learn.planners import (
 from gcm_learn.recall.adaptation import DEFAULT, Adaptation, HandTries, Tries, adapt, query_of
 from gcm_learn.recall.files import MANIFEST
 from gcm_learn.recall.hand_paths import ANGLE, EARLIEST, KNOTS, RING, TIME
-from gcm_learn.recall.indexes import index_class
+from gcm_learn.recall.index import index_class
 from gcm_learn.recall.kinds import MEMORIES, raw_features, same_kind
 from gcm_learn.recall.store import Memory
 from gcm_learn.recall.trials import Budget, Offer

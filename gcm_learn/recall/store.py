@@ -6,26 +6,22 @@ import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal, get_args
+from typing import Any
 
 import numpy as np
 
-from gcm_learn import seeding
 from gcm_learn.arms import PLANAR, Kind
 from gcm_learn.errors import RecallError
-from gcm_learn.recall.book import Book
 from gcm_learn.recall.files import packed, read_arrays, read_manifest, unpacked, write_memory
-from gcm_learn.recall.index import Index
-from gcm_learn.recall.indexes import index_class
+from gcm_learn.recall.index import Index, index_class
 from gcm_learn.recall.kinds import MEMORIES, kind_of_format, same_kind
 from gcm_learn.recall.search import Searcher
 from gcm_learn.recall.waypoints import Waypoints
 from gcm_learn.situation import AnySituation, canonical
 
-Forgotten = Literal["covered", "least used", "oldest", "random"]
 SPARE = 1.5  # columns grow to this many times the entries that there are
 MANY = 20_000  # learned entries from which nearly the best are good enough by default
-_COLUMNS = ("embeddings", "traces", "goals", "labels", "uses", "lengths")
+_COLUMNS = ("embeddings", "traces", "goals", "labels", "lengths")
 
 
 @dataclass(frozen=True)
@@ -37,8 +33,6 @@ class Entry:
     waypoints: Any
     family: str
     stratum: str
-    uses: int
-    """Number of times that it was the valid one."""
 
 
 class Memory:
@@ -66,15 +60,12 @@ class Memory:
         self.index = index
         self.search = search
         self.kind = kind
-        self.book = Book(index.dim)
-        """Situations met during growth under a limit."""
         self._size, shape = 0, MEMORIES.of(kind)
         self._columns: dict[str, np.ndarray] = {
             "embeddings": np.zeros((0, index.dim), np.float32),
             "traces": np.zeros((0, *shape.knots), np.float32),
             "goals": np.zeros((0, shape.goal), np.float32),
             "labels": np.zeros((0, 2), np.int16),
-            "uses": np.zeros(0, np.int32),
             "lengths": np.zeros(0, np.int32),
         }
         self._texts: list[bytes] = []
@@ -111,7 +102,6 @@ class Memory:
             "traces": knots,
             "goals": goals,
             "labels": np.zeros((count, 2), np.int16),
-            "uses": np.zeros(count, np.int32),
             "lengths": np.zeros(count, np.int32),
         }
         out._append(fresh, [b""] * count)
@@ -127,7 +117,7 @@ class Memory:
         k %= self._size
         family, stratum = (self._words[w] for w in self.labels[k])
         waypoints = Waypoints(np.array(self.knots[k]), np.array(self.goals[k]))
-        return Entry(self.situation(k), waypoints, family, stratum, int(self.uses[k]))
+        return Entry(self.situation(k), waypoints, family, stratum)
 
     @property
     def embeddings(self) -> np.ndarray:
@@ -163,11 +153,6 @@ class Memory:
     def strata(self) -> list[str]:
         """Stratum of each memory, "" where it is not known."""
         return [self._words[word] for word in self.labels[:, 1]]
-
-    @property
-    def uses(self) -> np.ndarray:
-        """(n,) int32: how often each was the valid one."""
-        return self._columns["uses"][: self._size]
 
     def situation(self, k: int) -> Any:
         """Situation of memory k, canonical."""
@@ -208,7 +193,6 @@ class Memory:
             "traces": np.array([t.knots for t in trajectories], np.float32),
             "goals": np.array([t.goal for t in trajectories], np.float32),
             "labels": np.array([[self._word(w) for w in row] for row in zip(*words, strict=True)]),
-            "uses": np.zeros(count, np.int32),
             "lengths": np.array([len(t) for t in texts]),
         }
         if fresh["embeddings"].shape != (count, self.index.dim):
@@ -231,49 +215,15 @@ class Memory:
             self._searcher = Searcher(self.embeddings, "cells" if nearly else self.search)
         return self._searcher(query, k)
 
-    def used(self, k: int) -> None:
-        """Count that memory k was the valid one."""
-        self._own("uses")
-        self._columns["uses"][k] += 1
-
     def forget(self, which: np.ndarray) -> None:
         """Forget memories by position or by truth value (n,)."""
         keep = np.ones(self._size, dtype=bool)
         keep[np.asarray(which)] = False
         texts = [self._text(k) for k in np.flatnonzero(keep).tolist()]
         self._columns = {name: self._columns[name][: self._size][keep] for name in _COLUMNS}
-        self.book.keep(keep)
         self._size, self._texts = int(keep.sum()), texts
         self._old_texts, self._old_starts = np.zeros(0, np.uint8), np.zeros(1, np.int64)
         self._searcher = None
-
-    def forget_to(self, size: int, first: Forgotten = "covered", seed: int = 0) -> None:
-        """Forget until `size` are left.
-
-        Parameters
-        ----------
-        size : int
-        first : {"covered", "least used", "oldest", "random"}
-            What goes first: what others cover (see `Book.superfluous`; the least used while the
-            book is empty), the least often valid (of equal ones the oldest), the oldest, or any.
-        seed : int
-            Decides which are any.
-        """
-        if size >= self._size:
-            return
-        gone = self._size - size
-        if first == "covered":
-            order = self.book.superfluous(gone, self.uses)
-        elif first == "random":
-            order = seeding.rng(seed, self._size).permutation(self._size)
-        elif first == "oldest":
-            order = np.arange(self._size)
-        elif first == "least used":
-            order = np.lexsort((np.arange(self._size), self.uses))
-        else:
-            known = ", ".join(get_args(Forgotten))
-            raise RecallError(f"first: {first!r} is not one of {known}")
-        self.forget(order[:gone])
 
     def refiled(self, index: Index) -> Memory:
         """Return the memories filed by another index."""
@@ -281,7 +231,6 @@ class Memory:
         if len(self):
             trajectories = [Waypoints(k, g) for k, g in zip(self.knots, self.goals, strict=True)]
             out.extend(self, index.embed_memories(self.situations(), trajectories))
-        out.book = self.book.asked_by(index.embed_query, index.dim)
         return out
 
     def save(self, folder: str | os.PathLike[str]) -> None:
@@ -289,8 +238,6 @@ class Memory:
         arrays = {name: self._columns[name][: self._size] for name in _COLUMNS}
         text = b"".join(self._text(k) for k in range(self._size))
         arrays["situations"] = np.frombuffer(text, np.uint8)
-        if self.book.met:
-            arrays |= self.book.arrays()
         about = {
             "format": MEMORIES.of(self.kind).format,
             "size": self._size,
@@ -342,7 +289,6 @@ class Memory:
         columns = read_arrays(place, manifest, mmap)
         out._columns = {name: columns[name] for name in _COLUMNS}
         out._size, out._words = int(manifest["size"]), list(manifest["words"])
-        out.book = Book.of(columns, index.dim)
         out._old_texts = columns["situations"]
         out._old_starts = np.concatenate([[0], np.cumsum(columns["lengths"], dtype=np.int64)])
         return out
@@ -360,10 +306,6 @@ class Memory:
             self._columns[name][self._size : size] = fresh[name]
         self._texts += texts
         self._size, self._searcher = size, None
-
-    def _own(self, name: str) -> None:
-        if not self._columns[name].flags.writeable:
-            self._columns[name] = np.array(self._columns[name])
 
     def _text(self, k: int) -> bytes:
         old = len(self._old_starts) - 1

@@ -11,8 +11,7 @@ import pytest
 from gcm_learn import dataset
 from gcm_learn.dataset import item as items
 from gcm_learn.dataset.folder import Folder
-from gcm_learn.dataset.item import case_of, make_item
-from gcm_learn.dataset.parameters import parameters_of, structure_of, twin_key
+from gcm_learn.dataset.item import case_of, make_item, parameters_of, structure_of, twin_key
 from gcm_learn.dataset.shards import make_shard, shard_name
 from gcm_learn.dataset.splits import Split
 from gcm_learn.errors import SituationError

@@ -15,7 +15,7 @@ from gcm_learn.cli.inspect import report
 from gcm_learn.dataset import FamilyShare, generate, make_item, read_spec, verify_dataset
 from gcm_learn.dataset.cells import counts_of
 from gcm_learn.dataset.folder import Folder
-from gcm_learn.dataset.parameters import parameters_of, structure_of, twin_key
+from gcm_learn.dataset.item import parameters_of, structure_of, twin_key
 from gcm_learn.dataset.record import Record
 from gcm_learn.dataset.shards import KEY, shard_name
 from gcm_learn.dataset.verifying import _broken_plans

@@ -10,9 +10,9 @@ import pytest
 from gcm_learn import dataset
 from gcm_learn.dataset import DatasetSpec, FamilyShare, Holdout, Split, generation
 from gcm_learn.dataset.folder import Folder
+from gcm_learn.dataset.generation import distance_of, twins_of
 from gcm_learn.dataset.item import make_item
 from gcm_learn.dataset.record import Record
-from gcm_learn.dataset.separation import distance_of, twins_of
 from gcm_learn.dataset.shards import make_shard, shard_name, write_shard
 from gcm_learn.dataset.spec import DatasetSpec as Spec
 from tests.dataset.test_generation import Noting

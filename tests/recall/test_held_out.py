@@ -13,7 +13,7 @@ pytest.importorskip("safetensors")
 
 from gcm_learn import dataset, get_planner
 from gcm_learn.cli import main
-from gcm_learn.dataset.parameters import quantities_of
+from gcm_learn.dataset.item import quantities_of
 from gcm_learn.evaluation import draw_suite
 from gcm_learn.recall import Memory, RawIndex
 from gcm_learn.recall.growth import remember

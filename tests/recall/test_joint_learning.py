@@ -23,11 +23,9 @@ from gcm_learn.errors import EncoderError, RecallError
 from gcm_learn.families import family_from_dict
 from gcm_learn.recall import EncoderConfig, Memory, RecallPlanner, Sizes, TransferLabels
 from gcm_learn.recall.encoder import load_encoder
-from gcm_learn.recall.features import TOUCH
+from gcm_learn.recall.features import TOUCH, joint_count, joint_path_features, spatial_map_features
 from gcm_learn.recall.joint_features import CELLS, FREE, posture_features
 from gcm_learn.recall.kinds import MEMORIES
-from gcm_learn.recall.map_features import spatial_map_features
-from gcm_learn.recall.path_features import joint_count, joint_path_features
 from gcm_learn.recall.waypoints import GOAL
 from gcm_learn.situation import Body, SolidQuadratic, Sphere, canonical
 from tests.recall.test_chain_recall import turned

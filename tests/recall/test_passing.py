@@ -9,7 +9,7 @@ import pytest
 
 from gcm_learn.arms import Arm
 from gcm_learn.motion.movement import Movement
-from gcm_learn.recall.passing import NEAR, passing, passing_of
+from gcm_learn.recall.waypoints import NEAR, passing, passing_of
 from gcm_learn.situation import Body, Disc, PlanarQuadratic, Situation
 from gcm_learn.situation.canonical import canonical
 from tests.transforms import mirrored, turned

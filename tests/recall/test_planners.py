@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
 import pytest
 
 from gcm_learn import get_planner, seeding, solve
@@ -13,17 +12,14 @@ from gcm_learn.planners import GAIN
 from gcm_learn.planners.layered_front import layered
 from gcm_learn.recall import (
     Adaptation,
-    Coverage,
     HybridPlanner,
     Memory,
     RandomIndex,
     RawIndex,
     RecallPlanner,
     SplinesPlanner,
-    grow,
     unverified,
 )
-from gcm_learn.situation.canonical import canonical
 from tests.judging import judge
 from tests.recall.conftest import limited
 from tests.transforms import turned
@@ -167,40 +163,3 @@ def test_planners_by_name_use_the_memory_of_the_models(memory, catches, tmp_path
         again = solve(situation, get_planner(name))
         assert again.catch_time == solve(situation, name).catch_time
     planners._memory.cache_clear()
-
-
-def recall_rate(steps):
-    """Share of what was caught at all that was caught from memory."""
-    return np.mean([step.recalled for step in steps if step.caught])
-
-
-def test_a_memory_grows_by_what_it_does_not_cover(memory):
-    situations = [random_planar(seeding.rng(77, k)) for k in range(150)]
-    grown = Memory(memory.index)
-    planner = layered()
-    steps = grow(grown, situations, planner)
-    for before, after in zip([None, *steps], steps, strict=False):
-        more = after.size - (before.size if before else 0)
-        assert more == int(after.caught and not after.recalled)
-    assert 0 < len(grown) == steps[-1].size < sum(step.caught for step in steps)
-    assert recall_rate(steps[75:]) > recall_rate(steps[:20])
-    assert grown.uses.sum() == sum(step.recalled for step in steps)
-    second = grow(grown, situations[:40], planner)
-    assert recall_rate(second) > 0.95  # what was met once is known
-
-
-def test_a_stricter_rule_remembers_more_and_a_small_memory_stays_small(memory):
-    situations = [random_planar(seeding.rng(78, k)) for k in range(60)]
-    sizes = []
-    for slack in (np.inf, 0.05):
-        grown = Memory(memory.index)
-        grow(grown, situations, layered(), Coverage(slack))
-        sizes.append(len(grown))
-    assert sizes[0] < sizes[1]
-    small = Memory(memory.index)
-    steps = grow(small, situations, layered(), Coverage(0.05), most=5)
-    assert len(small) == max(step.size for step in steps) == 5
-    young = Memory(memory.index)
-    grow(young, situations, layered(), Coverage(-1.0), most=5, forget="oldest")
-    last = [s for s in situations if layered().plan(s).caught][-5:]
-    assert young.situations() == [canonical(s)[0] for s in last]

@@ -17,11 +17,11 @@ from gcm_learn.planners.completion import Problem
 from gcm_learn.recall import EncoderConfig, Memory, RecallPlanner, index_class
 from gcm_learn.recall.adaptation import DEFAULT, Adaptation, query_of, transfer
 from gcm_learn.recall.encoder import Encoder
+from gcm_learn.recall.features import count
 from gcm_learn.recall.hand_features import CELLS, CONTEXT
 from gcm_learn.recall.hand_paths import KNOTS, hand_work
 from gcm_learn.recall.index import LearnedIndex
 from gcm_learn.recall.networks import EncoderNet, Inputs
-from gcm_learn.recall.path_features import count
 from gcm_learn.recall.search import Searcher
 from gcm_learn.recall.trials import Budget, Offer, first_valid
 from tests.judging import judge

@@ -69,11 +69,10 @@ def test_faiss_is_asked_for_by_name(monkeypatch):
 @pytest.mark.parametrize("kind", [RawIndex, RandomIndex, PcaIndex])
 def test_save_and_load(memory, catches, kind, tmp_path):
     memory = memory.refiled(kind.fit([s for s, _ in catches[:60]], 3))
-    memory.used(7)
     memory.save(tmp_path / "memory")
     for mmap in (True, False):
         loaded = Memory.load(tmp_path / "memory", mmap=mmap)
-        assert same(loaded, memory) and loaded.uses[7] == 1
+        assert same(loaded, memory)
         query = loaded.index.embed_query(catches[5][0])
         assert np.array_equal(query, memory.index.embed_query(catches[5][0]))
         assert query.shape == (loaded.index.dim,)
@@ -83,7 +82,6 @@ def test_what_was_loaded_can_grow_and_forget(memory, catches, traces, tmp_path):
     memory.save(tmp_path)
     loaded = Memory.load(tmp_path)
     loaded.add([catches[0][0]], [traces[0]], ["again"], ["L"])
-    loaded.used(3)
     assert len(loaded) == len(memory) + 1
     assert loaded[-1].family == "again" and loaded[-1].situation == memory[0].situation
     loaded.forget(np.array([len(memory)]))
@@ -95,28 +93,10 @@ def test_forgetting(memory):
     first, last = memory[1], memory[-1]
     memory.forget(np.array([0]))
     assert memory[0].situation == first.situation
-    for k in (5, 6, 7):
-        memory.used(k)
-    kept = [memory[k].situation for k in (5, 6, 7)]
-    memory.forget_to(4)  # the youngest of those that were never used is left
-    assert [memory[k].situation for k in range(4)] == [*kept, last.situation]
-    memory.forget(np.ones(4, dtype=bool))
+    memory.forget(np.arange(1, len(memory) - 1))
+    assert memory.situations() == [first.situation, last.situation]
+    memory.forget(np.ones(2, dtype=bool))
     assert len(memory) == 0
-
-
-def test_what_is_forgotten_first_is_chosen(memory):
-    for k in (0, 1, 2):
-        memory.used(k)
-    situations = memory.situations()
-    memory.forget_to(50, "oldest")
-    assert memory.situations() == situations[-50:]  # though the oldest had held
-    left = memory.situations()
-    memory.forget_to(20, "random", seed=3)
-    kept = [left.index(s) for s in memory.situations()]
-    assert len(kept) == 20 and kept == sorted(kept) and kept != list(range(30, 50))
-    with pytest.raises(RecallError, match="least used, oldest, random"):
-        memory.forget_to(5, "youngest")
-    assert len(memory) == 20
 
 
 def test_another_index_is_refused(memory, catches, tmp_path):

@@ -15,7 +15,7 @@ from gcm_learn.arms import kind_of
 from gcm_learn.cli import main
 from gcm_learn.errors import RecallError
 from gcm_learn.recall import Memory, RandomIndex, RecallPlanner, remember, waypoints_of
-from gcm_learn.recall.synthetic import Habit, Synthetic, habits_of
+from gcm_learn.recall.growth import Habit, Synthetic, habits_of
 
 FAMILIES = ("crossing-swarm", "crossing-swarm-space", "swarm-chain")
 HABIT = Habit(length=1.5, end=0.8, wait=0.25)

@@ -15,11 +15,9 @@ from gcm_learn.errors import EncoderError
 from gcm_learn.families.random_planar import random_planar
 from gcm_learn.recall import EncoderConfig, load_encoder, save_encoder
 from gcm_learn.recall.encoder import Encoder
-from gcm_learn.recall.features import batched
+from gcm_learn.recall.features import batched, count, hand_path_features, planar_map_features
 from gcm_learn.recall.hand_features import CELLS, CONTEXT, clearance_features
-from gcm_learn.recall.map_features import planar_map_features
 from gcm_learn.recall.networks import EncoderNet, Inputs
-from gcm_learn.recall.path_features import count, hand_path_features
 
 KNOTS, MAP = 24, 965
 

@@ -14,10 +14,9 @@ import torch
 from gcm_learn import seeding
 from gcm_learn.errors import EncoderError
 from gcm_learn.recall import EncoderConfig
-from gcm_learn.recall.features import FeatureBatch
+from gcm_learn.recall.features import FeatureBatch, count
 from gcm_learn.recall.hand_features import CELLS, CONTEXT
 from gcm_learn.recall.networks import binary, contrast, listwise
-from gcm_learn.recall.path_features import count
 from gcm_learn.recall.training import CHECKPOINT, LOG, Effort, Trainer
 from gcm_learn.recall.transfer_labels import Labels
 
