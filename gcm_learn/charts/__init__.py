@@ -3,7 +3,7 @@
 from gcm_learn.charts.chart import SMALLEST_LATTICE, Chart
 from gcm_learn.charts.clearances import cell_clearances
 from gcm_learn.charts.cube import LARGEST_POSTURE_LATTICE, Cube
-from gcm_learn.charts.extended import extended_obstacle, occupied_cells, upper_arm_image
+from gcm_learn.charts.extended import extended_obstacle, occupied_cells
 from gcm_learn.charts.hand_lattice import HandLattice, PulledNodes, hand_lattice_of
 from gcm_learn.charts.kinds import chart_of, lattice_of
 from gcm_learn.charts.lattice import (
@@ -44,5 +44,4 @@ __all__ = [
     "ring_leap",
     "cell_clearances",
     "posture_lattice_of",
-    "upper_arm_image",
 ]

@@ -68,25 +68,6 @@ def extended_obstacle(
     return x / distance - upper_arm * (1.0 / distance - 1.0) * turned @ rotation.T  # Eq. 8
 
 
-def upper_arm_image(
-    point: ArrayLike, upper_arm: float = 1.0, elbow: str = "right", n: int = 64
-) -> np.ndarray:
-    """Image of a point under the upper arm (erratum 6): an arc, empty beyond the elbow's reach.
-
-    Returns
-    -------
-    (n, 2) ndarray or (0, 2) ndarray
-        Hand positions at which the upper arm points at the obstacle, from (rho + 1) x/|x| to
-        (rho - 1) x/|x|.
-    """
-    x = np.asarray(point, dtype=float)
-    r = float(np.hypot(*x))
-    if r >= upper_arm or r == 0.0:
-        return np.zeros((0, 2))
-    psi = np.arctan2(x[1], x[0]) + SIDE[elbow] * np.linspace(0.0, np.pi, n)
-    return upper_arm * x / r + np.stack([np.cos(psi), np.sin(psi)], axis=-1)
-
-
 def occupied_cells(situation: Situation, lattice: Lattice, t: float) -> np.ndarray:
     """Cells whose hand position makes the limb touch an obstacle at time t (Gamma of Eq. 11).
 

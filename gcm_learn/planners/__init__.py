@@ -57,7 +57,6 @@ if TYPE_CHECKING:
         planner_names,
         solve,
     )
-    from gcm_learn.planners.retiming import retime
     from gcm_learn.planners.tube import InTube, Tube
 
 # Loaded when they are asked for: a planner's compiled code takes a second to load.
@@ -87,7 +86,6 @@ __getattr__ = late_names(__name__, {
     "registry": (
         "as_ours", "get_planner", "is_registered", "plan_with", "planner_names", "solve",
     ),
-    "retiming": ("retime",),
     "tube": ("InTube", "Tube"),
 })  # fmt: skip
 
@@ -140,7 +138,6 @@ __all__ = [
     "plan_to_json",
     "plan_with",
     "planner_names",
-    "retime",
     "search_in_space",
     "solve",
     "source_of",

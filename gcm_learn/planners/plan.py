@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Literal, Protocol
 
-from gcm_learn.arms import PLANAR, SPATIAL, Kind, kind_of, solution_format
+from gcm_learn.arms import PLANAR, Kind, kind_of, solution_format
 from gcm_learn.errors import ArmKindError
 from gcm_learn.maps import CognitiveMap
 from gcm_learn.motion import Failure, Movement
@@ -175,11 +175,6 @@ def in_plane(kind: Kind) -> bool:
 def in_joints(kind: Kind) -> bool:
     """Return whether arms of a kind move in their joints."""
     return kind != PLANAR
-
-
-def spatial_only(kind: Kind) -> bool:
-    """Return whether arms of a kind are spatial arms."""
-    return kind == SPATIAL
 
 
 def any_arm(kind: Kind) -> bool:
