@@ -165,7 +165,7 @@ def test_from_an_observation_to_an_action(name, family, settings, called):
     ("kind", "planners"),
     [
         ("planar", ["straight", "marching"]),
-        ("spatial", ["straight", "layered"]),
+        ("spatial", ["straight", "search"]),
         ("chain", ["search", "straight-wait"]),
     ],
 )

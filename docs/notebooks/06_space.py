@@ -24,12 +24,12 @@ from matplotlib.figure import Figure
 from gcm_learn import families, paper_scene, solve
 
 situation = paper_scene("fig8-space")
-for planner in ("straight", "gcm", "search"):
+for planner in ("straight", "marching", "search"):
     plan = solve(situation, planner)
     print(f"{planner:10} {plan.status:12} {plan.message}")
 
 # %% [markdown]
-# **What to look at.** `gcm` reads its path from the map, `search` moves the joints themselves. Joints and hand of the
+# **What to look at.** `marching` reads its path from the map, `search` moves the joints themselves. Joints and hand of the
 # catch, over time: each joint keeps its greatest speed, and the hand its own.
 
 # %%

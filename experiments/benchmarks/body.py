@@ -73,7 +73,7 @@ def bare_speed() -> str:
 def executed_against_bare() -> str:
     """A whole executed catch (model, following, braking, report) in the time of its steps alone."""
     situation, body = scene(3), body_for(ARM)
-    plan: Any = get_planner("layered").plan(situation)
+    plan: Any = get_planner("search").plan(situation)
     done = execute(plan, situation, body)
     if done.plant is None or not done.caught:
         raise RuntimeError(f"the paper's ball is not caught: {done.status} {done.message}")

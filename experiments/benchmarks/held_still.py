@@ -73,10 +73,9 @@ PLANS = {
     "straight": MOST,
     "straight-wait": MOST,
     "potential": MOST,
-    "layered": MOST | {"limited": 6, "spatial": 5, "ramped": 4},
-    "gcm": MOST | {"spatial": 2, "ramped": 1},
+    "layered": {"planar": 42, "limited": 6},
+    "gcm": {"planar": 42, "limited": 11},
     "marching": MOST | {"spatial": 4, "ramped": 2},
-    "layered-wave": {"planar": 20, "limited": 4, "spatial": 1, "ramped": 1},
     "oracle": {"planar": 1, "limited": 1, "spatial": 1, "ramped": 1},
     "recall": MOST,
     "recall-1": MOST,
@@ -88,8 +87,8 @@ PLANS = {
 MAPS = {"planar": 2, "limited": 1, "spatial": 1}
 SHARDS: dict[str, dict[str, Any]] = {
     "planar": {"planners": ["straight", "gcm", "marching", "layered"], "map": "marching"},
-    "spatial": {"planners": ["straight", "layered"], "map": "none", "effort": 0.25},
-    "ramped": {"planners": ["layered"], "map": "none", "effort": 0.25},
+    "spatial": {"planners": ["straight", "search"], "map": "none", "effort": 0.25},
+    "ramped": {"planners": ["search"], "map": "none", "effort": 0.25},
 }
 """Fields of the specifications of which shards are made."""
 ACTOR = "ppo-space"  # acts in closed loops
@@ -214,7 +213,7 @@ def anytime() -> Iterator[Group]:
     def at_once(name: str, situation: Any) -> Any:
         return plan_to_json(plan_with(planner(name), situation, 0.0), situation)
 
-    for name in ("layered", "hybrid"):
+    for name in ("search", "hybrid"):
         yield from about("plans-at-once", name, FEW, partial(at_once, name))
         yield from about("plans-under-a-bound", name, FEW, partial(bounded, name))
 
@@ -231,10 +230,13 @@ def maps() -> Iterator[Group]:
         met = made.interception and vars(made.interception)
         return {"interception": met, **{name: getattr(made, name) for name in fields}}
 
-    for name, kind in {"wave": WaveParams, "marching": MarchingParams}.items():
-        for wait in (False, True):
-            ask = partial(mapped, kind(until="horizon"), wait)
-            yield from about("maps", f"{name}{'-waiting' * wait}", MAPS, ask)
+    marching, plane = MarchingParams(until="horizon"), {k: MAPS[k] for k in ("planar", "limited")}
+    for name, params, wait, counts in (
+        ("wave", WaveParams(until="horizon"), False, plane),
+        ("marching", marching, False, MAPS),
+        ("marching-waiting", marching, True, plane),
+    ):
+        yield from about("maps", name, counts, partial(mapped, params, wait))
 
 
 def shards() -> Iterator[Group]:
@@ -328,7 +330,7 @@ def memories() -> Iterator[Group]:
         place = kept.index.embed_query(situation)
         return [place, kept.recall(place, 20)]
 
-    for name in ("straight", "layered"):
+    for name in ("straight", "search"):
         yield from about("waypoints", name, FEW, partial(waypoints, name))
     yield from about("features", "raw", MOST, raw)
     yield from about("features", "clearance", MOST, features)
@@ -436,7 +438,7 @@ def loops() -> Iterator[Group]:
         from gcm_learn.execution import ExactPlant, Loop, Perception, Planning, run_closed_loop
         from gcm_learn.policies import shipped_actor
 
-        noted = Noted("layered")
+        noted = Noted("search")
         mind = shipped_actor(habit).mind() if habit == ACTOR else Planning(noted, habit)
         loop = Loop(Perception(place=0.0125, dropouts=0.5), thinking=0.02)
         course = run_closed_loop(mind, ExactPlant(situation), situation, loop, SEED, 1)
@@ -463,8 +465,8 @@ def loops() -> Iterator[Group]:
         if habit != ACTOR:
             few |= {"planar": 1, "limited": 1}
         yield from about("closed-loop", habit, few, partial(looped, habit))
-    yield from about("closed-loop-in-physics", "layered", {"bodied": 1}, partial(seen, "layered"))
-    for name in ("straight", "layered"):
+    yield from about("closed-loop-in-physics", "search", {"bodied": 1}, partial(seen, "search"))
+    for name in ("straight", "search"):
         yield from about("execution", name, {"bodied": 2}, partial(executed, name))
 
 

@@ -25,7 +25,7 @@ PAIRS = 15
 SEED = 2024
 DRAWN = {"random-planar": 12, "gate": 6, "crossing-swarm": 4, "falling-solid": 3, "pendulum": 3}
 PLANNERS = (
-    "gcm", "marching", "layered", "layered-wave", "straight", "straight-wait", "potential",
+    "gcm", "marching", "layered", "straight", "straight-wait", "potential",
     "recall", "hybrid",
 )  # fmt: skip
 given: list[Path] = []  # the file of --file, if any

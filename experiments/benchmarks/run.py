@@ -19,28 +19,22 @@ import itertools
 import statistics
 import time
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
 from numba import njit
 
 from experiments.common.judging import complaints
 from gcm_learn import Lattice, MarchingParams, WaveParams, families, get_planner, rng
-from gcm_learn.arms import Arm, SpatialArm
-from gcm_learn.charts import PostureLattice, hand_space, occupied_cells, posture_lattice_of
+from gcm_learn.arms import Arm
+from gcm_learn.charts import hand_space, occupied_cells
 from gcm_learn.families import random_planar
 from gcm_learn.scene import Scene, pack
-from gcm_learn.situation import Body, Disc, PlanarQuadratic, Situation, SolidQuadratic, Sphere
-from gcm_learn.wave import (
-    front_speed,
-    kappa_of,
-    march,
-    march_layers,
-    posture_stencil,
-    propagate,
-    stencil,
-)
+from gcm_learn.situation import Body, Disc, PlanarQuadratic, Situation
+from gcm_learn.wave import front_speed, kappa_of, stencil
+from gcm_learn.wave.causal import march_in_plane as march
+from gcm_learn.wave.causal import march_layers_in_plane as march_layers
 from gcm_learn.wave.reference import propagate_reference
+from gcm_learn.wave.solver import propagate_in_plane as propagate
 
 SPEED = 3.4  # hand speed at which kappa is about 1/400 s
 TAU = 400.0
@@ -125,80 +119,6 @@ def wave_against_stencil() -> str:
 
     wave, bare, ratio = over_scenes(pair)
     return f"{ratio:.2f} x  ({wave:.2f} ms against {bare:.2f} ms)"
-
-
-@njit(cache=True)
-def _bare_in_space(B, start, slabs, looks):
-    """The 7-point stencil of Eq. 10 over the whole lattice in space, six steps at a time."""
-    for _ in range(looks):
-        posture_stencil.steps(B, start, slabs, 3, np.float32(0.2), np.float32(0.04))
-
-
-@njit(cache=True)
-def _diffuse(a, b, pairs):
-    """Apply a 7-point Laplacian, there and back."""
-    d, six = np.float32(0.2), np.float32(6.0)
-    for _ in range(pairs):
-        for old, new in ((a, b), (b, a)):
-            for i in range(1, a.shape[0] - 1):
-                for j in range(1, a.shape[1] - 1):
-                    for k in range(1, a.shape[2] - 1):
-                        near = old[i - 1, j, k] + old[i + 1, j, k] + old[i, j - 1, k]
-                        near += old[i, j + 1, k] + old[i, j, k - 1] + old[i, j, k + 1]
-                        new[i, j, k] = old[i, j, k] + d * (near - six * old[i, j, k])
-
-
-def four_movers() -> Situation:
-    """A spatial arm that can reach nearly everywhere, among four moving spheres."""
-    ways = [
-        ((0.9, 0.9, 0.2), (0.2, -0.5, 0.0)), ((0.8, -0.9, 0.4), (0.1, 0.5, -0.2)),
-        ((-0.6, 0.4, 1.1), (0.4, 0.0, -0.5)), ((0.2, 0.3, -1.3), (0.0, 0.1, 0.4)),
-    ]  # fmt: skip
-    still = (0.0, 0.0, 0.0)
-    far = Body("target", "far", Sphere(0.1), SolidQuadratic((50.0, 0.0, 0.0), still, still))
-    movers = [
-        Body("obstacle", f"ball {k}", Sphere(0.12), SolidQuadratic(place, velocity, still))
-        for k, (place, velocity) in enumerate(ways)
-    ]
-    arm = SpatialArm(
-        (1.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.3, 0.2, -0.4, -1.4),
-        ((-3.0, 3.0), (-1.5, 1.5), (-3.0, 3.0), (-2.6, 0.0)), (6.0, 6.0, 8.0, 8.0), 0.05,
-        max_hand_speed=SPEED, thickness=0.04,
-    )  # fmt: skip
-    return Situation("four movers", 1.0, arm, (far, *movers))
-
-
-def wave_in_space_against_stencil() -> str:
-    """Wave over 80^3 and 400 tau, four moving bodies, against bare stencils for as many steps."""
-    situation, lattice = four_movers(), posture_lattice_of(four_movers().arm, 80)
-    scene, steps = pack(situation), round(TAU / EXPLORE.step)
-    horizon = TAU * kappa_of(scene, lattice, EXPLORE)
-    scene = scene._replace(limits=scene.limits._replace(horizon=horizon))
-    B, s = posture_stencil.cell_clearances(), posture_stencil
-    B[:] = 0.0
-    for k, value in ((2, -2 / 7), (3, 0.2), (4, 6.0)):
-        s.field(B, k, 80)[:] = value
-    rows = (np.arange(1, 81)[:, None] * s.SLAB + np.arange(1, 81) * s.WIDTH).ravel() + s.LEFT
-    start = (rows[:, None] + np.arange(0, 80, s.BLOCK)).ravel().astype(np.uint64)
-    slabs = np.arange(81) * (start.size // 80)
-    a = np.zeros((82, 82, 82), dtype=np.float32)
-    b = a.copy()
-    wave, bare, ratio = paired(
-        lambda: propagate(scene, lattice, EXPLORE),
-        lambda: _bare_in_space(B, start, slabs, round(steps / 6)),
-        5,
-    )
-    _, flat, other = paired(
-        lambda: propagate(scene, lattice, EXPLORE), lambda: _diffuse(a, b, steps // 2), 5
-    )
-    other_arm = replace(situation.arm, grasp=0.06)  # of which nothing is kept
-    began = time.process_time()
-    propagate(scene, PostureLattice(other_arm, 80), EXPLORE)
-    first = 1e3 * (time.process_time() - began)
-    return (
-        f"{ratio:.2f} x  ({wave:.0f} ms against {bare:.0f} ms); {other:.2f} x a bare Laplacian "
-        f"({flat:.0f} ms); {first:.0f} ms where no posture is known yet"
-    )
 
 
 def wave_against_reference() -> str:
@@ -352,7 +272,6 @@ def main() -> None:
     arguments = parser.parse_args()
     table: list[tuple[str, str, Callable[[], str]]] = [
         ("wave kernel / bare stencil, 400 tau", "at most 0.7 x", wave_against_stencil),
-        ("wave in space / bare stencil, 400 tau", "at most 0.8 x", wave_in_space_against_stencil),
         ("numpy reference / wave kernel", "at least 100 x", wave_against_reference),
         ("marching / scikit-fmm order 2", "at most 0.3 x", marching_against_skfmm),
         ("error in free space", "marching no larger", free_space_errors),

@@ -29,7 +29,7 @@ from gcm_learn.charts import PostureLattice
 from gcm_learn.motion import start_clearance
 from gcm_learn.scene import Scene, pack
 from gcm_learn.situation import Body, Situation, SolidQuadratic, Sphere, read_situations
-from gcm_learn.wave import march
+from gcm_learn.wave.causal import march_in_space as march
 from tests.spatial import EXAMPLES
 
 SCENES, REPEATS = 3, 7

@@ -64,7 +64,7 @@ _TABLE = (
         "b7b46795d288620f3aad8e7a3715f2e8060859275a45ed72638c472e1c9b0611",
         50,
         "The suite `space-demo` of `gcm-learn evaluate` (seed 9111): arms of four joints, all "
-        "families in space. Strata are what `straight` and `layered` of this package say, and "
+        "families in space. Strata are what `straight` and `search` of this package say, and "
         "open means that neither catches. So shares are of all situations.",
     ),
     Suite(

@@ -195,12 +195,3 @@ def posture_of(rule, k, x, y, z, q):
                     near = middle
             return held(rule, branch, x, y, z, own + sign * far, q)
     return False
-
-
-@njit(_nrt=False)
-def turning_time(speed, q, p):
-    """Time in which joints whose speeds are `speed` (4,) turn from q to p (4,) [s]."""
-    return max(
-        max(abs(p[0] - q[0]) / speed[0], abs(p[1] - q[1]) / speed[1]),
-        max(abs(p[2] - q[2]) / speed[2], abs(p[3] - q[3]) / speed[3]),
-    )

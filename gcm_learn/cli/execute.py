@@ -56,7 +56,7 @@ class Execute:
     """masses and motors: a file of format gcm-learn/body@1 or gcm-learn/body@2, see gcm-learn arm
     --body, or the name of a shipped one: `nao`, `human`, `panda`, `iiwa14` or `ur5`"""
 
-    planner: Annotated[str | None, given("NAME", "layered; search for chains")] = None
+    planner: Annotated[str | None, given("NAME", "search")] = None
     """who plans, or a trained actor by its folder in models/: it acts anew in every period, by what
     is seen 50 times a second; or your own, as solve takes them; an unknown name lists all"""
 
@@ -112,19 +112,18 @@ class Execute:
 
     def _asked(self) -> list[tuple[Bodied, Who]]:
         """Return the situations of the file, and who plans in each."""
-        from gcm_learn.arms import CHAIN, ByKind, kind_of
+        from gcm_learn.arms import kind_of
         from gcm_learn.execution import MECHANICS
         from gcm_learn.planners import taken
 
         chosen = {} if self.planner is None else {self.planner: self._who(self.planner)}
-        defaults = ByKind({CHAIN: "search"}, default="layered")
         asked: list[tuple[Bodied, Who]] = []
         for situation in read(self.file):
             kind = kind_of(situation)
             if not MECHANICS.takes(kind):
                 text = f"{situation.name!r} has a {kind.name} arm, which has no mass; spatial arms"
                 raise CommandFailure(f"{self.file}: {text} and chains are executed")
-            name = self.planner or defaults.of(kind)
+            name = self.planner or "search"
             if name not in chosen:
                 chosen[name] = self._who(name)
             who: Any = chosen[name]

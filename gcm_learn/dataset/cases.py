@@ -78,7 +78,7 @@ class Case(ABC):
     """A situation and the answers of planners to it, each asked at most once, cheap ones first."""
 
     problem: Any
-    persistent: ClassVar[str] = "layered"
+    persistent: ClassVar[str]
     """Planner whose catches are those by waiting."""
 
     def __init__(self, situation: AnySituation, spec: DatasetSpec) -> None:
@@ -190,6 +190,8 @@ class Case(ABC):
 class PlanarCase(Case):
     """A situation of a planar arm; the oracle bounds the earliest catch."""
 
+    persistent = "layered"
+
     @classmethod
     def examples(cls) -> tuple[AnySituation, ...]:
         """Return a target that is free and one that is covered."""
@@ -229,6 +231,8 @@ class PlanarCase(Case):
 class SpatialCase(Case):
     """A situation of a spatial arm; some catch stands for the earliest one."""
 
+    persistent = "search"
+
     def _begin(self) -> Plan | None:
         self.problem = SpatialProblem(self.situation, "case")
         return self.problem.early_answer(keeps_acceleration=True)
@@ -250,7 +254,7 @@ class SpatialCase(Case):
 
     def _asked(self, name: str) -> Plan:
         effort = self.spec.effort if name == self.persistent else None
-        known: Any = get_planner(name) if effort is None else search_in_space(name, effort)
+        known: Any = get_planner(name) if effort is None else search_in_space(effort)
         return known.plan(self.situation)
 
     def _bounded(self) -> Yardstick:
@@ -259,8 +263,6 @@ class SpatialCase(Case):
 
 class ChainCase(SpatialCase):
     """A situation of a chain, of which several targets may have to be caught."""
-
-    persistent = "search"
 
     @property
     def _several(self) -> bool:

@@ -23,7 +23,7 @@ from gcm_learn.dataset.kinds import RECORDS
 from gcm_learn.dataset.splits import Holdout, Split
 from gcm_learn.errors import FamilyError, FileFormatError, SpecError, not_known
 from gcm_learn.families import Family, family_from_dict, family_names
-from gcm_learn.planners import get_planner, planner_names, takes
+from gcm_learn.planners import declined, get_planner, planner_names, takes
 from gcm_learn.situation import AnySituation
 from gcm_learn.storage import content_hash
 
@@ -82,14 +82,14 @@ class DatasetSpec:
     2 stay on lattices of n cells, the last ones have twice as many. Also how hard the labels'
     planners try."""
     effort: float | None = None
-    """In space: share of the moves that `layered` checks before it gives up; all when absent."""
+    """In space: share of the moves that `search` checks before it gives up; all when absent."""
     map: Literal["wave", "marching", "layered", "none"] = "wave"
     """Engine of the map that a record holds; none in space, where it has half a million cells."""
     n: int = 80
     """Cells along a side of the map."""
     label: Literal["fast", "oracle"] = "fast"
-    """Judge of the stratum: the planners straight, marching (in space `layered` without waits)
-    and layered, or the oracle."""
+    """Judge of the stratum: the planners straight, marching and layered, in space straight
+    and search (without waits first), or the oracle."""
     audit: float = 0.0
     """Share of the items that the oracle labels as well."""
     strata: Mapping[str, float] | None = None
@@ -143,12 +143,17 @@ class DatasetSpec:
                 raise SpecError(name, f"the oracle does not take {self.kind.plural}")
         for k, name in enumerate(self.planners):
             if not takes(get_planner(name), self.kind):
-                raise SpecError(f"planners[{k}]", f"{name!r} does not take {self.kind.plural}")
+                raise SpecError(f"planners[{k}]", declined(name, self.kind))
 
     @property
     def kind(self) -> Kind:
         """Kind of the arms in its situations."""
         return kind_named(self.families[0].source.kind)
+
+    @property
+    def persistent(self) -> str:
+        """Planner whose catches are those by waiting."""
+        return RECORDS.of(self.kind).case.persistent
 
     @cached_property
     def drawn(self) -> tuple[FamilyShare, ...]:

@@ -80,10 +80,8 @@ class Suite:
     """By name, with the ranges that differ from their own; drawn equally often."""
     strata: Mapping[str, float] | None = None
     label: Literal["oracle", "fast"] = "oracle"
-    """Judge of the strata: for other arms than planar ones two planners, since a yardstick takes
-    seconds. These get better, so such suites are drawn anew and not frozen."""
-    persistent: str = "layered"
-    """The second of these planners, after `straight`."""
+    """Judge of the strata: for other arms than planar ones `straight` and `search`, since a
+    yardstick takes seconds. These get better, so such suites are drawn anew and not frozen."""
 
     def spec(self, name: str, count: int) -> DatasetSpec:
         """The dataset that holds the first `count` of them."""
@@ -97,7 +95,7 @@ class Suite:
 
     @property
     def _planners(self) -> tuple[str, ...]:
-        return ("straight",) if self.label == "oracle" else ("straight", self.persistent)
+        return ("straight",) if self.label == "oracle" else ("straight", "search")
 
 
 SUITES: dict[str, Suite] = {
@@ -123,16 +121,14 @@ SUITES: dict[str, Suite] = {
         {"L": 1.0, "W": 1.0, "Q": 1.0, "U": 1.0},
         label="fast",
     ),
-    "chains": Suite(
-        "all families of chains, as drawn", 9112, _CHAINS, label="fast", persistent="search"
-    ),
+    "chains": Suite("all families of chains, as drawn", 9112, _CHAINS, label="fast"),
 } | {name: Suite(f"the family {name}", 9200, {name: {}}) for name in turns.FAMILIES}
 SUITES |= {
     name: Suite(f"the family {name}", 9200, {name: {}}, label="fast")
     for name in (*_SPACE, "sequence-space")
 }
 SUITES |= {
-    name: Suite(f"the family {name}", 9200, {name: {}}, label="fast", persistent="search")
+    name: Suite(f"the family {name}", 9200, {name: {}}, label="fast")
     for name in (*_CHAINS, "sequence-chain")
 }
 

@@ -21,7 +21,6 @@ WHO = {
     "gcm": "cognitive map by the wave of the paper, and the descent along its arrival times",
     "marching": "the same map by causal marching instead of a wave",
     "layered": "maps with several arrivals at a place, so that the hand may wait",
-    "layered-wave": "the wave, in which obstacles hold cells only while they are there",
     "oracle": "searches space and time on fine lattices, slow: the yardstick",
     "st-rrt-star": "random trees through space and time (OMPL), for a budget of time",
     "recall": "adapts remembered catches to the situation, and checks up to 20 of them",

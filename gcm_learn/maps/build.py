@@ -9,13 +9,7 @@ from gcm_learn.maps.cognitive_map import CognitiveMap, Interception
 from gcm_learn.maps.kinds import MAPS
 from gcm_learn.scene import Scene, pack
 from gcm_learn.situation import AnySituation
-from gcm_learn.wave import (
-    Front,
-    MarchingParams,
-    WaveParams,
-    engine_of,
-    kappa_of,
-)
+from gcm_learn.wave import Front, MarchingParams, WaveParams, engine_of, kappa_of
 
 
 def build_map(
@@ -34,7 +28,8 @@ def build_map(
     ----------
     situation : Situation
     params : WaveParams or MarchingParams, optional
-        The kind chooses the engine; the published wave by default.
+        Their class chooses the engine.  By default the published wave in the plane, and marching
+        if the hand may wait, and in space.
     wait : bool
         Whether the hand may wait: then there is a sheet of arrivals for every safe interval.
     chart : Chart, optional
@@ -51,7 +46,8 @@ def build_map(
     CognitiveMap
         Whether the target was met is its `interception`.
     """
-    params = WaveParams() if params is None else params
+    if params is None:
+        params = MarchingParams() if wait else MAPS.of(situation).params
     engine = engine_of(situation, params, wait)
     scene = pack(situation) if scene is None else scene
     chart = chart_of(situation, params.n) if chart is None else chart
@@ -69,8 +65,6 @@ def explore(
     widening: np.ndarray | None = None,
 ) -> Front:
     """Let a front spread over a chart; the arguments mean the same as in `build_map`.
-
-    The wave runs in the plane, and in space over lattices of one posture, without waits.
 
     Raises
     ------
@@ -90,7 +84,7 @@ def map_of(
     may wait these may have arrivals, later ones.
     """
     sheets, masked = front.sheets()
-    interception, wave = None, isinstance(params, WaveParams)
+    interception, wave = None, params if isinstance(params, WaveParams) else None
     if front.met_state >= 0:
         node = int(front.nodes[front.met_state])
         interception = Interception(
@@ -100,8 +94,6 @@ def map_of(
             body=situation.bodies[front.met_body].name,
         )
     kind = MAPS.of(front.chart.kind)
-    way = kind.via(front)
-    timed = params if isinstance(params, WaveParams) and not front.waits else WaveParams()
     return CognitiveMap(
         chart=front.chart,
         hand=kind.hand(situation.arm, front.chart),
@@ -109,9 +101,9 @@ def map_of(
         effective_obstacles=front.refused,
         effective_target=front.met,
         interception=interception,
-        kappa=kappa_of(scene, front.chart, timed),
+        kappa=kappa_of(scene, front.chart, wave or WaveParams()),
         engine="layered" if front.waits else "wave" if wave else "marching",
         later=np.ma.MaskedArray(sheets[1:], mask=masked[1:]) if len(sheets) > 1 else None,
-        via=way[0] if way is not None and len(way) == 1 else way,
+        via=None if front.waits or front.via is None else front.via.reshape(front.chart.shape),
         joints=front.joints,
     )

@@ -56,9 +56,8 @@ class CognitiveMap:
     """(m, ...) float: earliest arrivals in a cell's second, third, ... safe interval that can be
     reached [s]; only layered maps, in which the hand may wait, have such sheets."""
     via: np.ndarray | None = None
-    """(...) int: node from which the front came to another, -1 where it set out; with sheets
-    (1 + m, ...), as flat indices into them. None over a lattice in the plane, on which the gradient
-    says it."""
+    """(...) int: node from which the front came to another, -1 where it set out. None over a
+    lattice in the plane, on which the gradient says it."""
     joints: np.ndarray | None = None
     """(nodes, dof) float: postures that the front found; None over charts with a rule for them."""
 
@@ -91,13 +90,10 @@ class CognitiveMap:
 
     @property
     def met(self) -> int:
-        """Flat index into the sheets of the arrival in whose span a target was met, -1 if none."""
+        """Node in which a target was met, -1 if none."""
         if self.interception is None:
             return -1
-        cell = np.ravel_multi_index(self.interception.cell, self.chart.shape)
-        arrival = self.sheets.reshape(-1, self.arrival.size)[:, cell].filled(np.inf)
-        sheet = max(int((arrival <= self.interception.time).sum()) - 1, 0)
-        return sheet * self.arrival.size + int(cell)
+        return int(np.ravel_multi_index(self.interception.cell, self.chart.shape))
 
     def save(self, path: str | Path) -> Path:
         """Write a map over a lattice to an .npz file (whole or not at all); returns its path."""

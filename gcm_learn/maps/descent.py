@@ -168,16 +168,15 @@ def _over_nodes(
 ) -> tuple[np.ndarray, np.ndarray] | None:
     """Run `descend` from node to node; the earliest node at `start` counts."""
     chart = cognitive_map.chart
-    sheets = cognitive_map.sheets.filled(np.inf).ravel()
-    state = cognitive_map.met
+    arrival = cognitive_map.arrival.filled(np.inf).ravel()
+    node = cognitive_map.met
     if start is not None:
         nearest = _nearest(chart, start)
-        state = int(nearest[np.argmin(sheets[nearest])])
-    if state < 0 or not np.isfinite(sheets[state]):
+        node = int(nearest[np.argmin(arrival[nearest])])
+    if node < 0 or not np.isfinite(arrival[node]):
         return None
-    states = np.array(chain_to(cognitive_map, state))
-    nodes = states % cognitive_map.arrival.size
-    return np.array([chart.hand_at(n) for n in nodes]), sheets[states].astype(float)
+    nodes = np.array(chain_to(cognitive_map, node))
+    return np.array([chart.hand_at(n) for n in nodes]), arrival[nodes].astype(float)
 
 
 def _nearest(chart: Chart, start: tuple[float, ...]) -> np.ndarray:
@@ -188,16 +187,12 @@ def _nearest(chart: Chart, start: tuple[float, ...]) -> np.ndarray:
     return int(np.ravel_multi_index(index, cells)) * postures + np.arange(postures)
 
 
-def chain_to(cognitive_map: CognitiveMap, state: int) -> list[int]:
-    """Arrivals by which the front came to one of them, that one the last: indices into the sheets.
-
-    Indices into the first sheet are nodes; the node of any `state` is its remainder by the number
-    of nodes.
-    """
+def chain_to(cognitive_map: CognitiveMap, node: int) -> list[int]:
+    """Return the nodes by which the front came to one of them, that one the last."""
     if cognitive_map.via is None:
         raise ValueError("this map does not say where its front came from")
     chain, via = [], cognitive_map.via.ravel()
-    while state >= 0:
-        chain.append(state)
-        state = int(via[state])
+    while node >= 0:
+        chain.append(node)
+        node = int(via[node])
     return chain[::-1]

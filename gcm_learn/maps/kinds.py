@@ -6,13 +6,14 @@ from collections.abc import Callable
 from dataclasses import asdict
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from gcm_learn.arms import CHAIN, PLANAR, SPATIAL, Base, ByKind, Chain, SpatialArm
 from gcm_learn.charts import Chart, HandLattice, Lattice, PostureLattice
 from gcm_learn.errors import FileFormatError
 from gcm_learn.situation import arm_from_json, arm_to_json
-from gcm_learn.wave import Front
+from gcm_learn.wave import MarchingParams, WaveParams
+
+IN_SPACE = MarchingParams(n=40, margin=0.0)
+"""Moves in space are judged for what they are, so that cells need no margin."""
 
 
 class MapKind(NamedTuple):
@@ -26,8 +27,8 @@ class MapKind(NamedTuple):
     """Chart of a file's header."""
     hand: Callable[[Any, Any], tuple[float, ...]]
     """Hand of an arm at t = 0 in the frame of a chart."""
-    via: Callable[[Front], np.ndarray | None]
-    """Arrivals from which the front came, None where the gradient leads back."""
+    params: WaveParams | MarchingParams
+    """Default of `build_map`."""
 
 
 def _lattice_header(chart: Lattice) -> dict[str, Any]:
@@ -66,21 +67,21 @@ MAPS = ByKind(
             _lattice_header,
             _lattice,
             lambda arm, chart: arm.hand,
-            lambda front: None,
+            WaveParams(),
         ),
         SPATIAL: MapKind(
             "gcm-learn/map@2",
             _space_header,
             _space,
             lambda arm, chart: chart.hand,
-            lambda front: front.came_from(),
+            IN_SPACE,
         ),
         CHAIN: MapKind(
             "gcm-learn/map@3",
             _chain_header,
             _chain,
             lambda arm, chart: chart.hand,
-            lambda front: front.came_from(),
+            IN_SPACE,
         ),
     },
     who="a map",

@@ -35,6 +35,7 @@ if TYPE_CHECKING:
         Plan,
         Planner,
         deadline_of,
+        declined,
         keeps_limits,
         plan_to_json,
         taken,
@@ -77,8 +78,8 @@ __getattr__ = late_names(__name__, {
     "oracle.yardstick": ("Yardstick", "without_waits", "yardstick"),
     "outside": ("LIMIT", "broken_promise"),
     "plan": (
-        "FAULTS", "GAIN", "Anytime", "Deadline", "Plan", "Planner", "deadline_of", "plan_to_json",
-        "keeps_limits", "taken", "takes",
+        "FAULTS", "GAIN", "Anytime", "Deadline", "Plan", "Planner", "declined", "deadline_of",
+        "plan_to_json", "keeps_limits", "taken", "takes",
     ),
     "references": (
         "absolute", "acts", "found", "in_words", "instance", "name_of", "source_of",
@@ -123,6 +124,7 @@ __all__ = [
     "bounds",
     "broken_promise",
     "checked",
+    "declined",
     "deadline_of",
     "earliest_straight",
     "first_catch_on",

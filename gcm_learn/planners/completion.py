@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from gcm_learn.arms import Arm, SpatialArm
+from gcm_learn.arms import Arm, SpatialArm, kind_of
 from gcm_learn.collision import UNLIMITED, WORK
 from gcm_learn.maps import CognitiveMap
 from gcm_learn.motion import (
@@ -32,9 +32,9 @@ from gcm_learn.motion import (
     why_blocked,
 )
 from gcm_learn.planners.joints.moves import Study, study_of
-from gcm_learn.planners.plan import GAIN, Deadline, Plan, end_of
+from gcm_learn.planners.plan import GAIN, Deadline, Plan, end_of, in_plane, refused
 from gcm_learn.scene import Bodies, Scene, pack
-from gcm_learn.situation import AnySituation, Situation, planar
+from gcm_learn.situation import AnySituation, Situation
 
 CATCH_STEP = 0.25  # of an instant: catches along a path are found finer than interceptions
 _MORE_TRIES = 60  # later interceptions tried when joint limits forbid the first
@@ -170,7 +170,9 @@ class Problem(Task):
         scene: Scene | None = None,
         deadline: Deadline | None = None,
     ) -> None:
-        super().__init__(planar(situation, f"planner {planner!r}"), planner, scene, deadline)
+        if not in_plane(kind_of(situation)):
+            raise refused(planner, situation)
+        super().__init__(situation, planner, scene, deadline)
 
 
 class SpatialProblem(Task):

@@ -202,11 +202,25 @@ def taken(planner: Planner, situation: AnySituation) -> AnySituation:
     ------
     ArmKindError
     """
-    kind = kind_of(situation)
-    if takes(planner, kind):
+    if takes(planner, kind_of(situation)):
         return situation
-    name = json.dumps(situation.name)
-    raise ArmKindError(f"planner {planner.name!r} does not take {kind.plural} (situation {name})")
+    raise refused(planner.name, situation)
+
+
+def refused(name: str, situation: AnySituation) -> ArmKindError:
+    """Return the error of a planner that does not take a situation's arm."""
+    where = f" (situation {json.dumps(situation.name)})"
+    return ArmKindError(f"planner {declined(name, kind_of(situation), where)}")
+
+
+INSTEAD = {"gcm": "marching", "layered": "search"}
+"""Planners for arms that move in their joints, by the planner of the plane that is like them."""
+
+
+def declined(name: str, kind: Kind, where: str = "") -> str:
+    """Return the words by which a planner declines arms of a kind, and the one that takes them."""
+    other = f"; {INSTEAD[name]!r} does" if name in INSTEAD and in_joints(kind) else ""
+    return f"{name!r} does not take {kind.plural}{where}{other}"
 
 
 COLUMNS = {

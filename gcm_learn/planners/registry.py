@@ -17,17 +17,8 @@ from gcm_learn.planners.stages import Staged
 from gcm_learn.situation import AnySituation, Situation
 
 _PLANNERS: dict[str, str | ByKind[str]] = {
-    "gcm": ByKind(
-        {
-            PLANAR: "fronts:gcm",
-            SPATIAL: "joints.marching:gcm_in_space",
-            CHAIN: "joints.marching:hand_gcm",
-        }
-    ),
-    "layered": ByKind(
-        {PLANAR: "layered_front:layered", SPATIAL: "joints.tree_search:layered_in_space"}
-    ),
-    "layered-wave": "layered_wave:layered_wave",
+    "gcm": "fronts:gcm",
+    "layered": "layered_front:layered",
     "marching": ByKind(
         {
             PLANAR: "fronts:marching",

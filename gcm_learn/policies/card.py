@@ -79,8 +79,8 @@ def _told(share: Share) -> str:
     if share.families:
         text.append(f"families {', '.join(share.families)}")
     if share.reachable or share.caught_by:
-        text.append(f"only what `{share.caught_by or 'layered'}` catches")
-    if share.shown_by != "layered":
+        text.append(f"only what `{share.caught_by or 'search'}` catches")
+    if share.shown_by != "search":
         text.append(f"catches of `{share.shown_by}` are shown")
     return ", ".join(text)
 

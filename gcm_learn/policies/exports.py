@@ -42,7 +42,7 @@ PART = 500
 def export_minari(
     records: Dataset,
     dataset_id: str,
-    planner: str = "layered",
+    planner: str | None = None,
     settings: ArenaSettings | Mapping[str, Any] | None = None,
     *,
     author: str | None = None,
@@ -62,8 +62,8 @@ def export_minari(
     dataset_id : str
         Name of the Minari dataset, e.g. ``"gcm-learn/catch-v0"``; Minari decides on the place
         (``MINARI_DATASETS_PATH``).
-    planner : str
-        Planner of the catches.
+    planner : str, optional
+        Planner of the catches; by default the one whose catches are those by waiting.
     settings : ArenaSettings or mapping, optional
         Settings of the arena.
     author, author_email, code_permalink : str, optional
@@ -79,6 +79,7 @@ def export_minari(
     DatasetError
         If a library is missing, or no catch is left.
     """
+    planner = planner or records.spec.persistent
     if planner not in records.spec.planners:
         raise UnknownNameError.among("planner", planner, records.spec.planners)
     try:

@@ -85,10 +85,10 @@ class Share:
     families: tuple[str, ...] = ()
     """The same of families."""
     reachable: bool = False
-    """Of a family or file, only what `layered` catches."""
+    """Of a family or file, only what `search` catches."""
     caught_by: str = ""
     """Likewise of another planner, e.g. `straight`."""
-    shown_by: str = "layered"
+    shown_by: str = "search"
     """Of a family or file: the planner whose catches are shown, e.g. `recall`, out of memory."""
     split: str = "train"
     """Of a dataset."""

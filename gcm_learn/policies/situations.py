@@ -20,7 +20,8 @@ from gcm_learn.execution import (
 from gcm_learn.planners import Plan, get_planner
 from gcm_learn.policies.plan import Share
 
-PLANNER = "layered"  # what it catches can be caught; of records its catches are shown
+PLANNER = "search"  # what it catches can be caught
+RECORDED = "layered"  # of records its catches are shown
 Told = Callable[[str], object]
 
 
@@ -101,7 +102,7 @@ def _records(share: Share, plans: bool, settings: ArenaSettings) -> Lot:
     lot = Lot([], [], [], settings)
     for k in range(min(share.count, len(found))):
         record = found[k]
-        plan = record.plans.get(PLANNER)
+        plan = record.plans.get(RECORDED)
         lot.situations.append(record.situation)
         lot.groups.append(record.stratum)
         lot.paths.append(_path(plan))

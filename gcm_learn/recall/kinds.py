@@ -82,8 +82,6 @@ class MemoryKind:
     """Sizes of the batches of labels that an encoder learns from."""
     shipped: str
     """Name of the memory that is shipped."""
-    fallback: str = "layered"
-    """Planner that plans where recall fails."""
 
 
 def _joints_and_times(arm: Any) -> int:
@@ -151,7 +149,6 @@ MEMORIES = ByKind(
             penalty=1.0,
             lesson=Sizes(192, 40, 20, 6),  # a try costs tens of times as much
             shipped="recall-panda",
-            fallback="search",
         ),
     },
     who="memory",

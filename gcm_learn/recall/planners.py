@@ -249,7 +249,7 @@ class HybridPlanner:
             return replace(first, planner=self.name)
         caught = first.catch_time is not None and first.catch_time <= most
         bounded: dict[str, Any] = {}
-        fallback = self.fallback or _planner(MEMORIES.of(situation).fallback)
+        fallback = self.fallback or _planner("search")
         if getattr(fallback, "anytime", False):
             asked = {"bound": bound, "deadline": limit}
             bounded = {name: value for name, value in asked.items() if value is not None}

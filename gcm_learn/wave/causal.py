@@ -8,30 +8,22 @@ from typing import Any
 
 import numpy as np
 
-from gcm_learn.charts import (
-    Cube,
-    Lattice,
-    Nodes,
-    PostureLattice,
-    PulledNodes,
-    hand_space,
-    ring_leap,
-)
+from gcm_learn.charts import Cube, Lattice, Nodes, PulledNodes, hand_space, ring_leap
 from gcm_learn.collision import WORK, desk_of
 from gcm_learn.motion import fastest_hand
 from gcm_learn.scene import Scene
-from gcm_learn.wave import agenda, layered, marching, posture_layered
+from gcm_learn.wave import agenda, layered, marching
 from gcm_learn.wave import posture_marching as space
 from gcm_learn.wave import posture_steps as steps
-from gcm_learn.wave.front import Front, all_arrivals, first_arrivals, ranks
+from gcm_learn.wave.front import Front, all_arrivals, first_arrivals
 from gcm_learn.wave.kernels import CONTACT, FROZEN
 from gcm_learn.wave.limits import fastest_in_plane, hand_of, postures, terms_of, turns_of
 from gcm_learn.wave.params import MarchingParams
 from gcm_learn.wave.plane import Plane, closed_rim
-from gcm_learn.wave.solver import STATES_PER_CELL
 
 _ASKS: dict[type, Any] = {Nodes: steps.Ask, PulledNodes: steps.PulledAsk}
-SHORTEST = 0.03  # resolution of safe intervals in space, in steps of the hand
+SHORTEST = 0.03  # resolution of times in space, in steps of the hand
+STATES_PER_CELL = 4  # capacity for sheets; most cells need one
 
 
 def march_in_plane(
@@ -42,7 +34,7 @@ def march_in_plane(
     ignore: float = 0.0,
     widening: np.ndarray | None = None,
 ) -> Front:
-    """Run `wave.march` over a lattice of the plane."""
+    """Map arrivals at hand speed over a lattice of the plane."""
     speed = fastest_in_plane(scene)
     crossing = lattice.spacing / speed
     state = np.zeros(lattice.size, dtype=np.uint8)
@@ -71,7 +63,7 @@ def march_layers_in_plane(
     ignore: float = 0.0,
     widening: np.ndarray | None = None,
 ) -> Front:
-    """Run `wave.march_layers` over a lattice of the plane."""
+    """March over cells and safe intervals of the plane; the hand may wait."""
     n, speed = lattice.n, fastest_in_plane(scene)
     crossing = lattice.spacing / speed
     room, nowhere = STATES_PER_CELL * n * n, np.full((n + 2) ** 2, -1, dtype=np.int32)
@@ -104,7 +96,7 @@ def march_in_space(
     ignore: float = 0.0,
     widening: np.ndarray | None = None,
 ) -> Front:
-    """Run `wave.march` over cells and postures in space.
+    """Map arrivals over cells and postures in space.
 
     The front over a chain's cells keeps the postures that it finds.
     """
@@ -128,33 +120,6 @@ def march_in_space(
         steps=accepted,
         via=via,
         joints=chart.found_in(ask.nodes),
-    )
-
-
-def march_layers_in_space(
-    scene: Scene,
-    chart: PostureLattice,
-    params: MarchingParams,
-    *,
-    ignore: float = 0.0,
-    widening: np.ndarray | None = None,
-) -> Front:
-    """Run `wave.march_layers` over cells and postures in space."""
-    ask, count = _ask(scene, chart, params, ignore, widening), chart.size
-    table = posture_layered.new_table(ask, count)
-    contact, states = posture_layered.march_layers(ask, chart.start(scene), table)
-    (state, body), known = contact.which, int(states.size[0])
-    reached = np.flatnonzero(states.tries[:known] == posture_layered.ACCEPTED)
-    reached = reached[np.argsort(states.arrival[reached], kind="stable")]
-    rank = ranks(reached, known)
-    return all_arrivals(
-        chart,
-        states.node[reached].astype(np.int64),
-        rank[states.via[reached]],
-        states.arrival[reached],
-        states.span[reached, 1],
-        table.refused,
-        (int(rank[state]), int(body), float(contact.when[0])),
     )
 
 

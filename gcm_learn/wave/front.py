@@ -74,22 +74,6 @@ class Front:
         out = out.reshape(-1, *self.chart.shape)
         return out, out < 0.0
 
-    def came_from(self) -> np.ndarray | None:
-        """From which arrival (s, ...) the front came to every one of its sheets, -1 for the start.
-
-        As flat indices into the sheets; None where its map is to be descended instead.
-        """
-        if self.via is None:
-            return None
-        if not self.waits:
-            return self.via.reshape(1, *self.chart.shape)
-        order, sheet = self._intervals()
-        place = np.full(len(self.nodes) + 1, -1)  # the last entry is that of the start
-        place[order] = sheet * self.refused.size + self.nodes[order]
-        out = np.full((sheet.max(initial=0) + 1) * self.refused.size, -1)
-        out[place[order]] = place[self.via[order]]
-        return out.reshape(-1, *self.chart.shape)
-
     def chain(self) -> list[int]:
         """Return the states on the path from the hand to the first contact."""
         assert self.via is not None, "its map is to be descended instead"
@@ -213,16 +197,6 @@ def all_arrivals(
         met_time=time,
         steps=len(nodes),
     )
-
-
-def ranks(order: np.ndarray, count: int) -> np.ndarray:
-    """Places (count + 1,) of some of `count` states in an order (k,); -1 for others.
-
-    The last entry is that of the state -1, which is none.
-    """
-    rank = np.full(count + 1, -1)
-    rank[order] = np.arange(len(order))
-    return rank
 
 
 @lru_cache(maxsize=16)

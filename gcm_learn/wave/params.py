@@ -11,7 +11,7 @@ from gcm_learn.errors import LatticeError
 REST = (0.0, -2.0 / 7.0)  # stable rest state (r, z) of Eq. 10 (erratum 8)
 HAND_POTENTIAL = 5.0  # clamped potential of the hand's neuron (Sect. 2.3.2)
 EXCITED = (3.0, 1.0 / 7.0)  # excited state (r, z) behind the front (erratum 8)
-CHESSBOARD = {5: ("8", 8.0), 7: ("12", 12.0), 9: ("16/3", 16.0 / 3.0)}
+CHESSBOARD = {5: ("8", 8.0), 9: ("16/3", 16.0 / 3.0)}
 """Largest eigenvalue of the discrete Laplacian of so many points, in words and as a number."""
 
 
@@ -75,29 +75,23 @@ class WaveParams:
         for good, name, value, wanted in checks:
             if not good:
                 raise LatticeError(f"wave parameter {name} must be {wanted}, got {value!r}")
-        check_stability(self, self.laplacian)
+        self._check_stability()
 
+    def _check_stability(self) -> None:
+        """Refuse a step in which a pattern from cell to cell grows instead of settling.
 
-def check_stability(params: WaveParams, points: Literal[5, 7, 9]) -> None:
-    """Refuse a step in which a pattern from cell to cell grows instead of settling.
-
-    Von Neumann: behind the front a deviation relaxes with 5/7 in every neuron (at r = 3 the slope
-    of Eq. 10).  By diffusion it relaxes with at most d times the Laplacian's largest eigenvalue,
-    that of a chessboard.  Cells that are cut out or held only lower it.  Euler needs step times the
-    sum to be at most 2; the recovery, which is slow, grants a hundredth more.
-
-    Parameters
-    ----------
-    params : WaveParams
-    points : int
-        Of the discrete Laplacian; 7 in space.
-    """
-    told, largest = CHESSBOARD[points]
-    if params.step * (5.0 / 7.0 + largest * params.diffusion) > 2.0:
-        raise LatticeError(
-            f"step {params.step} is unstable with diffusion {params.diffusion} on {points} points: "
-            f"explicit Euler needs step * (5/7 + {told} diffusion) <= 2"
-        )
+        Von Neumann: behind the front a deviation relaxes with 5/7 in every neuron (at r = 3 the
+        slope of Eq. 10).  By diffusion it relaxes with at most d times the Laplacian's largest
+        eigenvalue, that of a chessboard.  Cells that are cut out or held only lower it.  Euler
+        needs step times the sum to be at most 2; the recovery, which is slow, grants a hundredth
+        more.
+        """
+        told, largest = CHESSBOARD[self.laplacian]
+        if self.step * (5.0 / 7.0 + largest * self.diffusion) > 2.0:
+            raise LatticeError(
+                f"step {self.step} is unstable with diffusion {self.diffusion} on {self.laplacian} "
+                f"points: explicit Euler needs step * (5/7 + {told} diffusion) <= 2"
+            )
 
 
 @dataclass(frozen=True)
@@ -122,9 +116,9 @@ class MarchingParams:
 
 
 class Run(NamedTuple):
-    """Numbers by which a wave is run, in the plane and in space."""
+    """Numbers by which a wave is run."""
 
-    held: bool  # frozen or inhibited cells are seen by their neighbours instead of being cut out
+    held: bool  # frozen cells are seen by their neighbours instead of being cut out
     diffusion: float
     epsilon: float
     quiet: float  # change of a potential [1/tau] below which a block counts as settled

@@ -1,32 +1,48 @@
-"""Both waves once more, slow and plain: what tests hold the kernels against.
+"""The wave of Eq. 10 once more, slow and plain: what tests hold the kernels against.
 
 The kernels are float32, step only the blocks of cells near the front, and search a span of time by
 conservative advancement.  Each of these could go wrong without being seen.  Here the whole lattice
-is stepped (`wave.stepping`), and every step is searched for arrivals.
+is stepped in float64, and every step is searched for arrivals.  Limbs are tested at many instants,
+with their own elbows and their own distance to discs.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from gcm_learn.charts import Lattice
-from gcm_learn.scene import Scene
-from gcm_learn.wave.excitation import FELT
+from gcm_learn.arms import SIDE
+from gcm_learn.charts import Lattice, hand_space
+from gcm_learn.collision import arm_distance
+from gcm_learn.scene import (
+    ACCELERATION,
+    BALL,
+    HAND,
+    PART,
+    POSITION,
+    SIZE,
+    SWING,
+    TOP_SPEED,
+    VELOCITY,
+    Bodies,
+    Scene,
+    pose_at,
+)
 from gcm_learn.wave.front import Front, first_arrivals
-from gcm_learn.wave.inhibition import SADDLE, TICK
 from gcm_learn.wave.kernels import CONTACT, FREE, FROZEN
-from gcm_learn.wave.limits import fastest_in_plane
+from gcm_learn.wave.limits import contact_distance, gaps
 from gcm_learn.wave.params import EXCITED, HAND_POTENTIAL, REST, WaveParams
-from gcm_learn.wave.solver import front_speed
-from gcm_learn.wave.stepping import CORNERS, EDGES, Cell, Stepped, couplings
-from gcm_learn.wave.waiting import free_clock
+from gcm_learn.wave.solver import front_speed, kappa_in_plane, rates_of, start_disc
 
 LOOK = 1.2  # the front is checked about this often [tau]
+FINENESS = 0.05  # from one instant of a search to the next, a body moves this many cells at most
+EDGES = ((0, 1), (0, -1), (1, 0), (-1, 0))
+CORNERS = ((1, 1), (1, -1), (-1, 1), (-1, -1))
+
+Couplings = list[tuple[tuple[int, int], np.ndarray]]
+Cell = tuple[int, int]
 
 
-def propagate_reference(
-    scene: Scene, lattice: Lattice, params: WaveParams, *, wait: bool = False
-) -> Front:
+def propagate_reference(scene: Scene, lattice: Lattice, params: WaveParams) -> Front:
     """Run the wave of Eq. 10 from the hand until contact or the horizon.
 
     Parameters
@@ -35,15 +51,13 @@ def propagate_reference(
     lattice : Lattice
         Of ``params.n`` cells a side.
     params : WaveParams
-    wait : bool
-        Obstacles inhibit while they are there, instead of freezing for ever.
 
     Returns
     -------
     Front
-        As from `wave.propagate` or `wave.propagate_layers`, with arrivals in float64.
+        As from `solver.propagate_in_plane`, with arrivals in float64.
     """
-    wave = (_Waiting if wait else _Freezing)(scene, lattice, params)
+    wave = _Wave(scene, lattice, params)
     start = wave.tau
     while wave.goes_on():
         for _ in range(2 * max(1, int(0.5 * LOOK / params.step + 1e-9))):
@@ -53,17 +67,148 @@ def propagate_reference(
     return wave.front()
 
 
-class _Freezing(Stepped):
-    """The published wave: cells that an obstacle has met are frozen for ever."""
+def reaction(r: np.ndarray, z: np.ndarray, epsilon: float) -> tuple[np.ndarray, np.ndarray]:
+    """Right-hand sides of Eq. 10 without diffusion: (dr/dtau, dz/dtau)."""
+    return (((4.0 - r) * r - 2.0) * r - 2.0) / 7.0 - z, epsilon * (r - 7.0 * z - 2.0)
+
+
+def couplings(live: np.ndarray, points: int) -> Couplings:
+    """List which neighbours every cell exchanges with, and how strongly.
+
+    Parameters
+    ----------
+    live : (n, m) bool ndarray
+        Cells that exchange with their neighbours; nothing flows into others or over the border.
+    points : {5, 9}
+        9 weighs the four edge neighbours by 4/6 and the four corner neighbours by 1/6.
+
+    Returns
+    -------
+    list of ((int, int), (n, m) ndarray)
+        Offset of a neighbour (rows, columns) and its weight in every cell.
+    """
+    edge = 1.0 if points == 5 else 4.0 / 6.0
+    weights = [(offset, edge) for offset in EDGES]
+    if points == 9:
+        weights += [(offset, 1.0 / 6.0) for offset in CORNERS]
+    return [(offset, weight * (live & _neighbour(live, offset))) for offset, weight in weights]
+
+
+def euler_step(
+    r: np.ndarray,
+    z: np.ndarray,
+    q: np.ndarray,
+    coupled: Couplings,
+    params: WaveParams,
+    diffusion: float | None = None,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Advance Eq. 10 by one explicit Euler step.
+
+    Parameters
+    ----------
+    r, z : (n, m) ndarray
+        Potential and recovery variable.
+    q : (n, m) ndarray
+        1 where the potential may change, else 0 (Eq. 11).
+    coupled : list
+        From `couplings`.
+    params : WaveParams
+        Epsilon, step and diffusion are used.
+    diffusion : float, optional
+        Takes the place of the one in `params`, which refuse what lets the wave fail.
+
+    Returns
+    -------
+    r, z : (n, m) ndarray
+    """
+    d = params.diffusion if diffusion is None else diffusion
+    dr, dz = reaction(r, z, params.epsilon)
+    flow = np.zeros_like(r)
+    for offset, weight in coupled:
+        flow += weight * (_neighbour(r, offset) - r)
+    return r + params.step * q * (dr + d * flow), z + params.step * dz
+
+
+def _neighbour(a: np.ndarray, offset: tuple[int, int]) -> np.ndarray:
+    """Every cell's neighbour at an offset; 0 beyond the border."""
+    (i, j), (n, m) = offset, a.shape
+    return np.pad(a, 1)[1 + i : 1 + i + n, 1 + j : 1 + j + m]
+
+
+class _Wave:
+    """The lattice while it is being stepped; arrays are (n, n), mental times in tau."""
 
     def __init__(self, scene: Scene, lattice: Lattice, params: WaveParams) -> None:
-        super().__init__(scene, lattice, params)
+        n, shape = params.n, lattice.shape
+        self.scene, self.lattice, self.params = scene, lattice, params
+        self.kappa = kappa_in_plane(scene, lattice, params)
+        self.tau, self.steps = 0.0, 0
+        self.inside, self.limb = hand_space(lattice).inside.reshape(n, n), _limbs(lattice)
+        stride = hand_space(lattice).stride
+        self.gap = gaps(scene, stride, params.margin, None).reshape(n, n)
+        rest = REST if params.start == "rest" else (0.0, 0.0)
+        self.r, self.z = np.full(shape, rest[0]), np.full(shape, rest[1])
+        self.q = self.inside * rates_of(scene, lattice).reshape(n, n)
+        self.coupled = couplings(self.inside, params.laplacian)
+        self.arrival, self.crossing = np.full(shape, -1.0), np.full(shape, -1.0)
+        parts = scene.bodies.rows[:, PART]
+        self.targets = np.flatnonzero(parts == HAND).tolist()
+        self.obstacles = np.flatnonzero(parts != HAND).tolist()
+        self.reach = contact_distance(scene, lattice, params)
         self.live = self.inside.copy()
         self.state = np.full(lattice.shape, FREE, dtype=np.uint8)
         self.contact: tuple[float, int, int] | None = None  # when [tau], cell, body
         for i, (cell, when) in enumerate(self.disc()):
             self.r[cell], self.z[cell] = EXCITED if i > 0 else (HAND_POTENTIAL, self.z[cell])
             self.q[cell], self.arrival[cell] = self.q[cell] * (i > 0), when
+
+    @property
+    def insulates(self) -> bool:
+        """Return whether frozen cells are cut out."""
+        return self.params.frozen == "insulating"
+
+    def disc(self) -> list[tuple[Cell, float]]:
+        """Cells that are excited at the start, and when; the hand's comes first."""
+        cells, away = start_disc(self.scene, self.lattice, self.params)
+        if self.params.start_radius == 0.0:
+            return [(self._cell(cells[0]), 0.0)]
+        slowness = 1.0 / front_speed(self.params).fastest
+        self.tau = self.params.start_radius * slowness
+        return [(self._cell(c), a * slowness) for c, a in zip(cells, away, strict=True)]
+
+    def _cell(self, index: int) -> Cell:
+        return int(index) // self.params.n, int(index) % self.params.n
+
+    def advance(self) -> None:
+        """Step the whole lattice once and note where the threshold was crossed."""
+        before, level = self.r, self.params.threshold
+        self.r, self.z = euler_step(before, self.z, self.q, self.coupled, self.params)
+        up = (before < level) & (self.r >= level)
+        share = (level - before[up]) / (self.r[up] - before[up])
+        self.crossing[up] = self.tau + share * self.params.step
+        self.steps += 1
+
+    def next_door(self, cell: Cell) -> float:
+        """Earliest arrival at an edge neighbour that passes the front on [tau], -1 if none."""
+        near = [(cell[0] + i, cell[1] + j) for i, j in EDGES]
+        times = [float(self.arrival[c]) for c in near if self.within(c) and self.passes_on(c)]
+        return min(times, default=-1.0)
+
+    def within(self, cell: Cell) -> bool:
+        """Return whether a cell is on the lattice."""
+        return min(cell) >= 0 and max(cell) < self.params.n
+
+    def instants(self, b: int, span: tuple[float, float]) -> np.ndarray:
+        """Times that cover a span [s] so densely that body b does not go far between two."""
+        way = self.scene.bodies.rows[b, TOP_SPEED] * (span[1] - span[0])
+        step = FINENESS * self.lattice.spacing
+        return np.linspace(*span, int(np.ceil(way / step)) + 1 if way > 0.0 else 1)
+
+    def near(self, b: int, cells: np.ndarray, times: np.ndarray) -> np.ndarray:
+        """Mark (c, m) at which times (m,) body b is at the limbs, or a target at the hands."""
+        limbs, target = self.limb[tuple(cells.T)], b in self.targets
+        gap = np.full(len(cells), self.reach) if target else self.gap[tuple(cells.T)]
+        return distances(self.scene.bodies, b, limbs, times) <= gap[:, None]
 
     def goes_on(self) -> bool:
         """Return whether anything is left to do."""
@@ -129,215 +274,56 @@ class _Freezing(Stepped):
         )
 
 
-class _Waiting(Stepped):
-    """The wave that may wait: cells are inhibited while obstacles are there."""
+def _limbs(lattice: Lattice) -> np.ndarray:
+    """Hand and elbow of every cell, (n, n, 4), by erratum 7."""
+    x, y = np.meshgrid(lattice.centres, lattice.centres)
+    rho, radius = lattice.upper_arm, np.hypot(x, y)
+    a = np.clip((radius**2 + rho**2 - 1.0) / (2.0 * rho * radius), -1.0, 1.0)
+    b = SIDE[lattice.elbow] * np.sqrt(1.0 - a**2)
+    ux, uy = x / radius, y / radius
+    return np.stack([x, y, rho * (a * ux + b * uy), rho * (a * uy - b * ux)], axis=-1)
 
-    def __init__(self, scene: Scene, lattice: Lattice, params: WaveParams) -> None:
-        super().__init__(scene, lattice, params)
-        self.clock = free_clock(params) * (
-            lattice.spacing / fastest_in_plane(scene)
-        )  # [s] at every TICK
-        self.slowness = 1.0 / front_speed(params).fastest
-        self.seen = 0.0  # until when bodies have been checked [s]
-        self.met = (scene.limits.horizon, -1, -1)  # when [s], state, body
-        self.cells: list[Cell] = []
-        self.via: list[int] = []
-        self.spans: list[list[float]] = []
-        shape = lattice.shape
-        self.opened = np.zeros(shape)  # since when the cell is not inhibited
-        self.date = np.full(shape, np.inf)  # when it is released
-        self.asked = np.zeros(shape)  # since when an inhibited cell has to be checked [s]
-        self.touched = np.full(shape, -1.0)  # when an obstacle was last there [s]
-        self.inhibited, self.felt, self.refused = np.zeros((3, *shape), dtype=bool)
-        self.latest = np.full(shape, -1)  # state, -1 if not reached
-        self._set_out()
 
-    def goes_on(self) -> bool:
-        """Return whether anything is left to do."""
-        end = self.scene.limits.horizon if self.params.until == "horizon" else self.met[0]
-        return self.now < end
+def distances(bodies: Bodies, b: int, limbs: np.ndarray, times: np.ndarray) -> np.ndarray:
+    """Distances of body b to what it can touch of limbs, at each of some times.
 
-    def passes_on(self, cell: Cell) -> bool:
-        """Return whether a cell has been reached and passes the front on."""
-        return bool(self.latest[cell] >= 0)
+    Parameters
+    ----------
+    limbs : (c, 4) ndarray
+        Hand x, y and elbow x, y.
+    times : (m,) ndarray
+        [s]
 
-    @property
-    def now(self) -> float:
-        """Time of the present look [s]."""
-        return min(self.seconds(self.tau), self.scene.limits.horizon)
+    Returns
+    -------
+    (c, m) ndarray
+    """
+    row = bodies.rows[b]
+    if row[BALL] == 0.0 or row[SWING] >= 0.0:
+        return np.array([[_kernel_distance(bodies, b, limb, t) for t in times] for limb in limbs])
+    t = times[:, None]
+    centre = row[POSITION:][:3] + row[VELOCITY:][:3] * t
+    centre = centre + 0.5 * row[ACCELERATION:][:3] * t**2
+    centre, height = centre[:, :2], centre[:, 2]
+    hand, elbow = limbs[:, None, :2], limbs[:, None, 2:]
+    if row[PART] == HAND:
+        away = np.linalg.norm(centre - hand, axis=-1)
+    else:
+        upper_arm = _from_segments(centre, 0.0 * elbow, elbow)
+        away = np.minimum(_from_segments(centre, elbow, hand), upper_arm)
+    return np.maximum(np.hypot(away, height) - row[SIZE], 0.0)
 
-    def seconds(self, tau: float) -> float:
-        """Time at a mental time [s]."""
-        last = (len(self.clock) - 1) * TICK
-        if tau >= last:
-            return float(self.clock[-1] + (tau - last) * self.kappa)
-        return float(np.interp(tau, TICK * np.arange(len(self.clock)), self.clock))
 
-    def mental(self, t: float) -> float:
-        """Mental time at a time [tau]."""
-        if t >= self.clock[-1]:
-            return float((len(self.clock) - 1) * TICK + (t - self.clock[-1]) / self.kappa)
-        return float(np.interp(t, self.clock, TICK * np.arange(len(self.clock))))
+def _from_segments(points: np.ndarray, a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Distances (c, m) of points (m, 2) to segments from a to b (c, 1, 2)."""
+    along = b - a
+    share = ((points - a) * along).sum(-1) / (along * along).sum(-1)
+    nearest = a + np.clip(share, 0.0, 1.0)[..., None] * along
+    return np.linalg.norm(points - nearest, axis=-1)
 
-    def _set_out(self) -> None:
-        """Excite the hand's cell and, as far as they are free, the cells around it."""
-        for cell, when in self.disc():
-            if self.cells:
-                before = self.next_door(cell)
-                if before < 0.0:
-                    continue
-                times = np.linspace(self.seconds(before), self.seconds(when), 200)
-                if self._occupied(np.array([cell]), times).any():
-                    self.refused[cell] = True
-                    self._inhibit(cell, self.seconds(when))
-                    continue
-            self.r[cell], self.z[cell] = EXCITED if self.cells else (HAND_POTENTIAL, EXCITED[1])
-            self._reach(cell, when, self._way_back(cell, when))
-        self.q[self.cells[0]] = 0.0
-        self._compare(self._times())
 
-    def look(self) -> None:
-        """Compare the lattice with the world: arrivals, meetings, inhibition, releases."""
-        level, times = self.params.threshold, self._times()
-        occupied = self._occupied(np.argwhere(self.inside), times)
-        last = np.where(occupied, times, -1.0).max(axis=1)
-        self.touched[self.inside] = np.maximum(self.touched[self.inside], last)
-        crossed = self.inside & ~self.inhibited & (self.arrival < 0.0) & (self.r >= level)
-        doors = {(i, j): self.next_door((i, j)) for i, j in np.argwhere(crossed).tolist()}
-        since = {c: max(t, float(self.opened[c])) for c, t in doors.items() if t >= 0.0}
-        when = {c: max(float(self.crossing[c]), t) for c, t in since.items()}
-        via = {c: self._way_back(c, t) for c, t in when.items()}
-        for cell in since:
-            if self.seconds(when[cell]) > self.scene.limits.horizon:
-                continue
-            if self.touched[cell] >= self.seconds(since[cell]):
-                self.refused[cell] = True
-                self._inhibit(cell, self.now)
-            else:
-                self._reach(cell, when[cell], via[cell])
-        for cell in doors.keys() - since.keys():  # charged by cells that are inhibited now
-            if self.r[cell] > 0.5 * (level + EXCITED[0]):
-                self.r[cell], self.z[cell] = REST
-        feels = self.inside & (self.r >= FELT) & (self.arrival < 0.0) & ~self.felt
-        self.felt |= feels
-        here = np.zeros_like(self.inside)
-        here[self.inside] = occupied[:, -1]
-        for i, j in np.argwhere(feels & here & ~self.inhibited).tolist():
-            self.refused[i, j] = True
-            self._inhibit((i, j), self.now)
-        self._compare(times, occupied)
-        reached = self.inside & (self.arrival >= 0.0)
-        fallen = reached & (self.r < min(level, SADDLE)) & (self.q > 0.0)
-        self.r[fallen], self.q[fallen] = HAND_POTENTIAL, 0.0
-
-    def _compare(self, times: np.ndarray, occupied: np.ndarray | None = None) -> None:
-        """Find what obstacles and targets do to excited and inhibited cells at some times (m,)."""
-        cells = np.argwhere(self.inside)
-        occupied = self._occupied(cells, times) if occupied is None else occupied
-        targets = self._targets(cells, times)
-        due = np.argwhere(self.inhibited & (self.date <= self.tau)).tolist()
-        for c, (i, j) in enumerate(cells.tolist()):
-            s = self.latest[i, j]
-            if s >= 0:
-                hit = times[occupied[c] & (times >= self.spans[s][0])]
-                if hit.size and self.spans[s][1] >= self.scene.limits.horizon:
-                    stay = self.slowness * self.kappa if s == 0 else 0.0  # the hand has to leave
-                    self.spans[s][1] = max(float(hit[0]), stay)
-                self._meet(s, times, targets[c])
-                if self.spans[s][1] < self.scene.limits.horizon and self.spans[s][1] <= self.now:
-                    self._inhibit((i, j), self.spans[s][1])
-            if self.inhibited[i, j] and self.date[i, j] == np.inf:
-                free = times[~occupied[c] & (times >= self.asked[i, j])]
-                if free.size:
-                    self.date[i, j] = self.mental(float(free[0])) + 0.5 * self.slowness
-        for i, j in due:
-            self._release((i, j))
-        live = self.inside & ~self.inhibited if self.insulates else self.inside
-        self.coupled = couplings(live, self.params.laplacian)
-        self.seen = self.now
-
-    def _meet(self, s: int, times: np.ndarray, targets: np.ndarray) -> None:
-        """Note a meeting in state s: a target (m,), -1 for none, is near at some of the times."""
-        since = max(self.spans[s][0], 0.0)
-        near = np.flatnonzero((targets >= 0) & (times >= since) & (times <= self.spans[s][1]))
-        if near.size and times[near[0]] < self.met[0]:
-            self.met = (float(times[near[0]]), s, int(targets[near[0]]))
-
-    def _reach(self, cell: tuple[int, int], when: float, via: int) -> None:
-        """Make a state of a cell that the front has come to at a mental time."""
-        self.arrival[cell], self.latest[cell] = when, len(self.cells)
-        self.cells.append(cell)
-        self.via.append(via)
-        self.spans.append([self.seconds(when), self.scene.limits.horizon])
-
-    def _inhibit(self, cell: tuple[int, int], t: float) -> None:
-        """Put a cell to rest from t [s] on."""
-        self.inhibited[cell], self.felt[cell] = True, False
-        self.arrival[cell], self.latest[cell] = -1.0, -1
-        self.date[cell], self.asked[cell] = np.inf, t
-        self.r[cell], self.z[cell], self.q[cell] = *REST, 0.0
-
-    def _release(self, cell: tuple[int, int]) -> None:
-        """Leave a cell, still at rest, to its neighbours again."""
-        self.inhibited[cell], self.opened[cell] = False, self.tau
-        self.r[cell], self.z[cell] = REST
-        self.q[cell] = self.rate[cell]
-
-    def _way_back(self, cell: tuple[int, int], when: float) -> int:
-        """State of the neighbour to which arrivals fall off most steeply, -1 without one."""
-        (y, x), best = cell, (-1.0, -1)
-        for i, j in (*EDGES, *CORNERS):
-            c = (y + i, x + j)
-            through = i == 0 or j == 0 or self._passes((y + i, x)) or self._passes((y, x + j))
-            if self._passes(c) and through and self.arrival[c] <= when:
-                fall = (when - float(self.arrival[c])) / np.hypot(i, j)
-                if fall > best[0]:
-                    best = (fall, int(self.latest[c]))
-        return best[1]
-
-    def _passes(self, cell: Cell) -> bool:
-        """Return whether a cell, maybe beyond the border, passes the front on."""
-        return self.within(cell) and self.passes_on(cell)
-
-    def _times(self) -> np.ndarray:
-        """Times (m,) from the last look to this one so dense that no body goes far between two."""
-        span = (self.seen, self.now)
-        count = max(len(self.instants(b, span)) for b in range(len(self.scene.bodies.rows)))
-        return np.linspace(*span, max(2, count))
-
-    def _occupied(self, cells: np.ndarray, times: np.ndarray) -> np.ndarray:
-        """Mark (c, m) at which times (m,) an obstacle touches the limbs of cells (c, 2)."""
-        out = np.zeros((len(cells), len(times)), dtype=bool)
-        for b in self.obstacles:
-            out |= self.near(b, cells, times)
-        return out
-
-    def _targets(self, cells: np.ndarray, times: np.ndarray) -> np.ndarray:
-        """Find the target that the hand would catch in cells (c, 2) at times (m,): (c, m) or -1."""
-        out = np.full((len(cells), len(times)), -1)
-        for b in self.targets:
-            out[self.near(b, cells, times) & (out < 0)] = b
-        return out
-
-    def front(self) -> Front:
-        """Return the reached states."""
-        order = np.argsort([came for came, _ in self.spans], kind="stable")
-        rank = np.append(np.argsort(order), -1)
-        spans, cells = np.array(self.spans)[order], np.array(self.cells)[order]
-        met = np.zeros(self.lattice.shape, dtype=bool)
-        if self.met[1] >= 0:
-            met[self.cells[self.met[1]]] = True
-        return Front(
-            chart=self.lattice,
-            waits=True,
-            nodes=np.ravel_multi_index(tuple(cells.T), self.lattice.shape),
-            via=rank[np.array(self.via)[order]],
-            arrival=spans[:, 0],
-            end=spans[:, 1],
-            refused=self.refused,
-            met=met,
-            met_state=int(rank[self.met[1]]),
-            met_body=self.met[2],
-            met_time=self.met[0],
-            steps=self.steps,
-        )
+def _kernel_distance(bodies: Bodies, b: int, limb: np.ndarray, t: float) -> float:
+    """As `distances`, for bodies of any shape and law."""
+    poses = np.zeros((bodies.rows.shape[0], 12))
+    pose_at(bodies, b, t, poses)
+    return float(arm_distance(bodies, poses, b, *limb))

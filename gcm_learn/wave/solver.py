@@ -18,17 +18,12 @@ from gcm_learn.wave.limits import fastest_in_plane, hand_of, postures, run_of, t
 from gcm_learn.wave.params import REST, WaveParams
 
 QUIET = 1e-5  # potential change [1/tau] below which a block of cells counts as settled
-STATES_PER_CELL = 4  # capacity for sheets; most cells need one
 SLOWEST_RATE = 0.02  # of a cell whose front is slow: the wave should not stop altogether
 _workspace = threading.local()
 
 
 def kappa_in_plane(scene: Scene, lattice: Lattice, params: WaveParams) -> float:
-    """Run `wave.kappa_of` for a lattice of the plane.
-
-    At the paper's setting (80 cells over 4 forearm lengths, d = 0.2) and 3.4 forearm lengths a
-    second this is the paper's kappa = 1/400 s.
-    """
+    """Return seconds per unit of mental time, see `wave.kappa_of`."""
     return front_speed(params).fastest * lattice.spacing / fastest_in_plane(scene)
 
 
@@ -40,7 +35,7 @@ def propagate_in_plane(
     ignore: float = 0.0,
     widening: np.ndarray | None = None,
 ) -> Front:
-    """Run `wave.propagate` over a lattice of the plane."""
+    """Run the wave of Eq. 10 from the hand until contact, the end of hand-space or the horizon."""
     kappa = kappa_in_plane(scene, lattice, params)
     return _propagate(scene, lattice, params, kappa, ignore, widening)
 

@@ -46,15 +46,11 @@ def layout(n: int) -> Layout:
 
 
 def room(n: int) -> np.ndarray:
-    """Make a buffer for a lattice of n x n cells."""
-    return aligned(layout(n).length)
-
-
-def aligned(length: int) -> np.ndarray:
-    """Make a buffer (length,) float32 whose blocks begin on cache lines.
+    """Make a buffer for a lattice of n x n cells, whose blocks begin on cache lines.
 
     Blocks that straddle two cache lines are a tenth slower.
     """
+    length = layout(n).length
     spare = np.empty(length + BLOCK, dtype=np.float32)
     first = -(spare.ctypes.data // spare.itemsize + LEFT) % BLOCK
     return spare[first : first + length]

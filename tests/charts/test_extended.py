@@ -124,7 +124,7 @@ def scene(rho, side, shape, position, thickness=0.0):
 
 
 def upper_arm_image(point, rho, side, n):
-    """Return the hands (n, 2) whose upper arm touches a point (erratum 6), none if it is too far."""
+    """Return the hands (n, 2) whose upper arm touches a point, if any can (erratum 6)."""
     radius, angles = np.hypot(*point), SIDE[side] * np.linspace(0.0, np.pi, n)
     psi = np.arctan2(point[1], point[0]) + angles
     arc = rho * point / radius + np.stack([np.cos(psi), np.sin(psi)], axis=-1)

@@ -104,7 +104,7 @@ def test_chains_and_spatial_arms_are_executed_side_by_side(chains, capsys):
     assert (near["planner"], near["status"], near["body"]) == ("search", "caught", "panda")
     assert near["error_max"] < 5e-4 and len(near["limits"]) == 7
     assert bare["status"] == "no body" and "panda: joints: the arm has 2" in bare["message"]
-    assert (fig8["planner"], fig8["status"], fig8["body"]) == ("layered", "caught", "nao")
+    assert (fig8["planner"], fig8["status"], fig8["body"]) == ("search", "caught", "nao")
     assert set(near) == set(fig8)
 
 
@@ -212,7 +212,7 @@ def test_policies_that_do_not_fit_are_one_line(file, actor, options, said, capsy
     [
         (["--plant", "kinematic", "--film", "films"], "--film: is of arms with mass"),
         (["--body", "none.json"], "none.json: cannot be read"),
-        (["--planner", "layered-wave"], "does not take spatial arms"),
+        (["--planner", "gcm"], "does not take spatial arms"),
     ],
 )
 def test_what_makes_no_sense_is_one_line(options, said, file, tmp_path, monkeypatch, capsys):

@@ -104,7 +104,7 @@ def test_the_sample_in_space_has_arms_of_all_kinds():
     assert 50 < len(smooth) < 150
     hurried = sample.where(structure=tuple(smooth), stratum=("W", "Q"))
     for record in hurried[:5]:
-        plan, arm = record.plans["layered"], record.situation.arm
+        plan, arm = record.plans["search"], record.situation.arm
         assert plan.caught and any(arm.joint_rates)
         assert np.allclose(plan.trajectory.rates[0], arm.joint_rates)
     assert set(sample.column("split")) >= {"train", "validation", "test", "test-family"}

@@ -19,7 +19,7 @@ from tests.planners.test_joint_trees import POST
 
 LIMITS = {"arm": {"ramp": [0.04, 0.1], "moving": 0.5}}
 HURRIED = replace(
-    SPACE, name="hurried", count=8, planners=("layered",), effort=0.25, shard_size=8,
+    SPACE, name="hurried", count=8, planners=("search",), effort=0.25, shard_size=8,
     families=tuple(dataset.FamilyShare(n, config=LIMITS) for n in ("tray-space", "door-space")),
 )  # fmt: skip
 
@@ -38,9 +38,9 @@ def test_who_may_not_search_goes_straight_or_gives_up():
     for k in range(12):
         situation, _ = canonical(draw("window-space", 3, k))
         for effort in caught:
-            caught[effort] += case(situation, effort=effort).plan("layered").caught
-        whole = get_planner("layered").plan(situation)
-        assert case(situation, effort=1.0).plan("layered").catch_time == whole.catch_time
+            caught[effort] += case(situation, effort=effort).plan("search").caught
+        whole = get_planner("search").plan(situation)
+        assert case(situation, effort=1.0).plan("search").catch_time == whole.catch_time
     assert 0 < caught[0.0] < caught[1.0]
 
 
@@ -75,7 +75,7 @@ def test_catches_under_limits_of_acceleration_are_kept_whole(hurried):
     caught = [record for record in hurried if record.stratum != "U"]
     assert len(hurried) == 8 and len(caught) >= 3
     for record in caught:
-        arm, plan = record.situation.arm, record.plans["layered"]
+        arm, plan = record.situation.arm, record.plans["search"]
         assert record.structure.startswith("space+hand+acceleration")
         assert any(arm.joint_rates) and np.allclose(plan.trajectory.rates[0], arm.joint_rates)
         assert (record.stratum == "Q") == plan.trajectory.rests and record.stratum != "L"
@@ -83,7 +83,7 @@ def test_catches_under_limits_of_acceleration_are_kept_whole(hurried):
 
 
 def test_who_keeps_no_such_limits_says_so():
-    record = dataset.make_item(replace(HURRIED, planners=("straight", "layered")), 0)
+    record = dataset.make_item(replace(HURRIED, planners=("straight", "search")), 0)
     assert record.error is None and "acceleration" in record.plans["straight"].message
 
 

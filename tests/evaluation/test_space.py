@@ -31,8 +31,8 @@ def entries(folder):
 
 
 def test_rows_say_what_planners_do(entries):
-    results = compare(["straight", "layered"], entries, charge=2, workers=1)
-    mine = measured(results, "layered")
+    results = compare(["straight", "search"], entries, charge=2, workers=1)
+    mine = measured(results, "search")
     assert mine.count == COUNT and mine.caught.value > 0.0
     for row in range(len(results)):
         if results["outcome"][row] == "caught":
@@ -41,8 +41,8 @@ def test_rows_say_what_planners_do(entries):
 
 
 def test_what_takes_planar_arms_only_is_refused_before_anything_runs(entries):
-    with pytest.raises(ArmKindError, match="policy 'layered-wave' does not take spatial arms"):
-        compare(["straight", "layered-wave"], entries, workers=1)
+    with pytest.raises(ArmKindError, match="policy 'gcm' does not take spatial arms"):
+        compare(["straight", "gcm"], entries, workers=1)
 
 
 def test_a_resting_arm_may_be_touched_or_come_upon():
@@ -58,9 +58,9 @@ def test_a_resting_arm_may_be_touched_or_come_upon():
 
 def test_who_moves_at_the_start_cannot_rest_and_think():
     limited = replace(ARM, max_joint_acceleration=(99.0,) * 4, joint_rates=(0.1, 0.0, 0.0, 0.0))
-    assert charged(get_method("layered"), situation(limited), 0.02) is None
+    assert charged(get_method("search"), situation(limited), 0.02) is None
     rests = replace(ARM, max_joint_acceleration=(99.0,) * 4)
-    assert charged(get_method("layered"), situation(rests), 0.02) == "caught"
+    assert charged(get_method("search"), situation(rests), 0.02) == "caught"
 
 
 def test_one_command_compares_in_space(folder, entries, tmp_path, capsys):
@@ -69,7 +69,7 @@ def test_one_command_compares_in_space(folder, entries, tmp_path, capsys):
     command += ["--count", str(COUNT), "--charge", "1", "--workers", "1"]
     assert main([*command, "--suites", str(folder), "--out", str(out)]) == 0
     assert (out / "report.html").stat().st_size > 10_000
-    assert "layered" in capsys.readouterr().out
+    assert "search" in capsys.readouterr().out
 
 
 def test_an_entry_of_a_draw_is_compared_like_any_other():

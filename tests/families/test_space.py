@@ -213,7 +213,7 @@ def test_the_ball_of_a_pendulum_hangs_at_the_end_of_its_cord():
 @pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 def test_no_family_in_space_is_trivial_or_hopeless(name):
-    planners = [get_planner(planner) for planner in ("straight", "marching", "layered")]
+    planners = [get_planner(planner) for planner in ("straight", "marching", "search")]
     found = []
     for k in range(30):
         situation = families.draw(name, 1, k)

@@ -26,7 +26,7 @@ def limited(situation, factor, rates=None):
 
 def promised(situation):
     """The plan; what it claims is judged."""
-    plan = solve(situation, "layered")
+    plan = solve(situation, "search")
     if plan.caught:
         assert judge(situation, plan) == [], situation.name
         assert plan.trajectory.rates is not None
@@ -41,7 +41,7 @@ def test_the_examples_catches_hold(situation):
 def test_few_catches_are_lost_to_wide_limits_and_many_to_narrow_ones():
     kept, free = dict.fromkeys((0.5, 12.0), 0), 0
     for situation in SITUATIONS[:16]:
-        if situation.arm.max_joint_acceleration is None and solve(situation, "layered").caught:
+        if situation.arm.max_joint_acceleration is None and solve(situation, "search").caught:
             free += 1
             for factor in kept:
                 kept[factor] += promised(limited(situation, factor)).caught

@@ -28,8 +28,8 @@ from gcm_learn.situation import (
 from tests.judging import judge
 from tests.transforms import mirrored, turned
 
-PLANNERS = ["gcm", "layered", "layered-wave", "marching", "straight"]
-SOONEST = ["layered", "layered-wave", "straight"]  # planners that may wait and start at full speed
+PLANNERS = ["gcm", "layered", "marching", "straight"]
+SOONEST = ["layered", "straight"]  # planners that may wait and start at full speed
 REST = (0.0, 0.0)
 ARM = Arm((1.3, 0.6), 3.0)
 FLAT = Plane((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
@@ -237,7 +237,7 @@ def test_obstacles_are_gone_round():
     """Where the straight way touches, the fronts find one that does not."""
     situation = scene(goal((1.4, -1.0)), post((1.5, 0.0), 0.2), arm=Arm((1.5, 1.0), 3.0))
     assert checked(situation, "straight").status == "unreachable"
-    for planner in ("gcm", "marching", "layered", "layered-wave"):
+    for planner in ("gcm", "marching", "layered"):
         plan = checked(situation, planner)
         assert plan.status == "caught" and plan.clearance > 0.0
         if planner in ("gcm", "marching"):

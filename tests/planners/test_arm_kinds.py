@@ -16,6 +16,7 @@ from gcm_learn.execution import Settings, pool_for, pool_of
 from gcm_learn.planners import registry
 from gcm_learn.planners.plan import takes
 from gcm_learn.situation import situation_from_json
+from tests.chains import drawn
 from tests.extras import planner_params
 from tests.situation.scenes import NAO, PLANAR
 
@@ -32,6 +33,14 @@ def test_every_planner_of_the_plane_refuses(name):
         solve(SPATIAL, name)
     with pytest.raises(ArmKindError, match=expected):
         get_planner(name).plan(SPATIAL)
+
+
+@pytest.mark.parametrize(("name", "instead"), [("gcm", "marching"), ("layered", "search")])
+def test_the_name_of_a_planner_that_takes_the_arm_is_told(name, instead):
+    for situation in (SPATIAL, situation_from_json(drawn("panda", 0))):
+        for ask in (get_planner(name).plan, lambda s: solve(s, name)):
+            with pytest.raises(ArmKindError, match=rf"planner '{name}' .*; '{instead}' does$"):
+                ask(situation)
 
 
 @pytest.mark.parametrize(
@@ -56,11 +65,11 @@ def test_the_arena_refuses_files_and_situations(tmp_path):
 def test_solve_refuses_before_anything_is_planned_or_written(chosen, tmp_path, capsys):
     path, out = tmp_path / "scenes.jsonl", tmp_path / "out.jsonl"
     path.write_text(f"{json.dumps(PLANAR)}\n{json.dumps(NAO)}\n")
-    assert main(["solve", str(path), "--planner", "layered-wave", "--out", str(out), *chosen]) == 2
+    assert main(["solve", str(path), "--planner", "gcm", "--out", str(out), *chosen]) == 2
     printed, complained = capsys.readouterr()
     assert printed == "" and not out.exists()
     assert complained == (
-        "gcm-learn: planner 'layered-wave' does not take spatial arms (situation \"nao\")\n"
+        "gcm-learn: planner 'gcm' does not take spatial arms (situation \"nao\"); 'marching' does\n"
     )
 
 

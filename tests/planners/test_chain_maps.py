@@ -46,13 +46,6 @@ def test_the_map_is_drawn_beside_the_movement(caught):
     plt.close(figure)
 
 
-def test_gcm_is_marching_by_another_name(caught):
-    situation, plan = caught
-    other = solve(situation, "gcm")
-    assert other.planner == "gcm"
-    np.testing.assert_array_equal(other.trajectory.joints, plan.trajectory.joints)
-
-
 def test_limits_of_acceleration_are_refused_in_one_line(caught):
     situation, _ = caught
     arm = replace(situation.arm, max_joint_acceleration=(10.0,) * situation.arm.dof)

@@ -35,7 +35,7 @@ from tests.judging import judge
 
 LONGEST = {False: 60.0, True: 20.0}
 """Processor time for one plan, in the plane and in space [s]; usual ones take milliseconds."""
-SLOW = {"layered", "layered-wave", "oracle", "st-rrt-star"}
+SLOW = {"layered", "oracle", "st-rrt-star"}
 planners = st.sampled_from([name for name in INSTALLED if name != "oracle"])
 quick = st.sampled_from([name for name in INSTALLED if name not in SLOW])
 
@@ -203,7 +203,7 @@ def test_many_valid_situations_get_an_answer_that_holds(situation, planner):
         assert complaints(situation, plan) == []
 
 
-@pytest.mark.parametrize("planner", ["gcm", "layered", "layered-wave", "marching", "straight"])
+@pytest.mark.parametrize("planner", ["gcm", "layered", "marching", "straight"])
 @pytest.mark.parametrize("speed", [1e-6, 1e-3, 1e3, 1e6])
 def test_speed_does_not_matter_for_a_world_at_rest(planner, speed):
     """A static scene, slowed down or sped up with its horizon, has the same catch."""

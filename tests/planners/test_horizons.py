@@ -19,7 +19,7 @@ from gcm_learn.situation import Pendulum
 from tests.judging import judge
 
 PLANNERS = (
-    "gcm", "hybrid", "layered", "layered-wave", "marching", "potential", "recall", "search",
+    "gcm", "hybrid", "layered", "marching", "potential", "recall", "search",
     "straight", "straight-wait",
 )  # fmt: skip
 QUICK = ("hybrid", "recall", "search", "straight", "straight-wait")

@@ -34,7 +34,7 @@ from tests.situation.scenes import MOVING, PLANAR
 from tests.situation.scenes import SOLID as IN_PLANE
 from tests.situation.test_fuzz_reader import paths, spoiled_objects
 
-QUICK = ["layered", "straight", "straight-wait"]
+QUICK = ["search", "straight", "straight-wait"]
 planners = st.sampled_from(QUICK)
 
 

@@ -126,13 +126,6 @@ def test_nothing_is_looked_for_behind_a_free_straight_line():
     assert plan.catch_time == solve(situation, "straight").catch_time
 
 
-def test_layered_is_another_name_of_the_search():
-    situation = scene_of(seeding.rng(7, 3))
-    plans = [solve(situation, name) for name in ("layered", "search")]
-    assert [plan.planner for plan in plans] == ["layered", "search"]
-    assert plans[0].catch_time == plans[1].catch_time
-
-
 def test_a_bound_is_a_time():
     with pytest.raises(ValueError, match="bound: must be positive"):
         TreeSearch().plan(SPATIAL, bound=0.0)

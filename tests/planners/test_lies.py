@@ -22,7 +22,7 @@ from tests.chains import drawn
 
 CASES = {
     "planar": lambda: (PAPER_SCENES["fig4"](), "gcm"),
-    "spatial": lambda: (thrown_scene(), "layered"),
+    "spatial": lambda: (thrown_scene(), "search"),
     "chain": lambda: (situation_from_json(drawn("panda", 0)), "search"),
 }
 

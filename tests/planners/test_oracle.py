@@ -22,7 +22,7 @@ from tests.judging import judge
 
 SPEED = 3.3
 REST = ((0.0, 0.0), (0.0, 0.0))
-RIVALS = ("straight", "straight-wait", "potential", "marching", "gcm", "layered", "layered-wave")
+RIVALS = ("straight", "straight-wait", "potential", "marching", "gcm", "layered")
 
 
 def scene(*bodies, hand=(0.9, 0.0), horizon=1.2, **arm):

@@ -22,7 +22,7 @@ from gcm_learn.situation import Body, Box, Capsule, Cylinder, SolidQuadratic, Sp
 def caught():
     scene = paper_scene("fig8-space")
     situation = with_motor_limits(scene, body_for(scene.arm))
-    return situation, execute(get_planner("layered").plan(situation), situation)
+    return situation, execute(get_planner("search").plan(situation), situation)
 
 
 @pytest.fixture(scope="module")
@@ -39,7 +39,7 @@ def struck(case):
     barred = replace(
         situation, bodies=(*situation.bodies, Body("obstacle", "ball 2", Sphere(0.02), still))
     )
-    plan = get_planner("layered").plan(situation)
+    plan = get_planner("search").plan(situation)
     return barred, execute(plan, barred)
 
 
@@ -69,7 +69,7 @@ def test_places_of_targets_are_those_of_the_world_with_a_base_that_is_turned():
     drift = SolidQuadratic((0.3, -0.02, 0.1), (0.1, 0.0, 0.0), (0.0, 0.0, 0.0))
     ball = Body("target", "ball", Sphere(0.03), drift)
     situation = with_motor_limits(replace(scene, arm=arm, bodies=(ball,)), body_for(arm))
-    done = execute(get_planner("layered").plan(situation), situation)
+    done = execute(get_planner("search").plan(situation), situation)
     assert done.caught
     place = Replay(situation, done).places(np.array([0.05]))[0, 0]
     assert place == pytest.approx((0.305, -0.02, 0.1), abs=2e-4)

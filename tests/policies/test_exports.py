@@ -40,7 +40,7 @@ def exported(records, tmp_path, monkeypatch):
 
 
 def test_the_arena_plays_the_episodes_again(name, records, exported):
-    caught = {r.index: r for r in records if r.plans["layered"].caught}
+    caught = {r.index: r for r in records if r.plans[records.spec.persistent].caught}
     episodes = list(exported.iterate_episodes())
     seeds = [exported.storage.get_episode_metadata([e.id]) for e in episodes]
     indices = [int(next(iter(found))["seed"]) for found in seeds]
@@ -72,5 +72,5 @@ def test_what_cannot_be_exported_is_one_line(records):
         export_minari(records, "gcm-learn/no-v0", planner="gmc")
     lost = records.where(stratum="U")
     if len(lost):
-        with pytest.raises(DatasetError, match="no catch of layered"):
+        with pytest.raises(DatasetError, match=f"no catch of {records.spec.persistent}"):
             export_minari(lost, "gcm-learn/no-v0")

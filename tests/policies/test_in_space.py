@@ -366,7 +366,7 @@ def test_catches_out_of_memory_are_shown(monkeypatch):
     monkeypatch.setattr(situations, "get_planner", spied)
     share = Share(FAMILY, 4, reachable=True, shown_by="recall")
     lot = situations.gather([share], plans=True, settings=SpatialSettings())
-    assert asked == ["layered", "recall"] and any(path is not None for path in lot.paths)
+    assert asked == ["search", "recall"] and any(path is not None for path in lot.paths)
     for situation, path in zip(lot.situations, lot.paths, strict=True):
         recalled = solve(situation, "recall").trajectory
         assert (path is None) == (recalled is None)

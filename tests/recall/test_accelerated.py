@@ -90,7 +90,7 @@ def test_knots_of_a_curve_tell_its_course_and_only_rests_are_waits(catches):
 def test_memories_without_such_limits_serve_under_them_and_the_other_way_round(memory):
     """What is kept is the same for both, so folders from before such limits were known load."""
     free = list(replace(LIMITED, accelerates=False).drawn(313, 24))
-    plans = [solve(s, "layered") for s in free]
+    plans = [solve(s, "search") for s in free]
     found = [(s, p) for s, p in zip(free, plans, strict=True) if p.caught]
     unlimited = memory_in_space(found)
     assert unlimited.knots.shape[1:] == memory.knots.shape[1:]

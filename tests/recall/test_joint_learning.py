@@ -68,7 +68,7 @@ class Case:
 
 CASES = {
     "spatial": Case(
-        SPATIAL, 4, ("window-space", "late-target-space"), ("straight", "layered"),
+        SPATIAL, 4, ("window-space", "late-target-space"), ("straight", "search"),
         seen_in_a_mirror, (),
     ),
     "chain": Case(

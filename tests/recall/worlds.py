@@ -52,7 +52,7 @@ LIMITED = World(
 @cache
 def catches_of(world):
     """Situations of a world with their catches."""
-    found = ((s, solve(s, "layered")) for s in world.drawn(world.seed, 10 * world.entries))
+    found = ((s, solve(s)) for s in world.drawn(world.seed, 10 * world.entries))
     caught = ((s, plan) for s, plan in found if plan.caught)
     return [next(caught) for _ in range(world.entries)]
 

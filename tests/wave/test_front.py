@@ -8,8 +8,10 @@ import pytest
 from gcm_learn import seeding
 from gcm_learn.charts.lattice import Lattice, hand_space
 from gcm_learn.errors import LatticeError
-from gcm_learn.wave import MarchingParams, WaveParams, front_speed, kappa_of, march, propagate
+from gcm_learn.wave import MarchingParams, WaveParams, front_speed, kappa_of
+from gcm_learn.wave.causal import march_in_plane as march
 from gcm_learn.wave.kernels import live_weight
+from gcm_learn.wave.solver import propagate_in_plane as propagate
 from gcm_learn.wave.stencil import LEFT, layout, room, two_steps
 from tests.wave.scenes import SPEED, arrival_tau, away, disc, scene, setting_of
 

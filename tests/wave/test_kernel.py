@@ -8,9 +8,10 @@ import pytest
 from gcm_learn import seeding
 from gcm_learn.families import random_planar
 from gcm_learn.situation import Body, PlanarQuadratic, Polygon
-from gcm_learn.wave import WaveParams, kappa_of, propagate
+from gcm_learn.wave import WaveParams, kappa_of
 from gcm_learn.wave.kernels import CONTACT, FREE, FROZEN
 from gcm_learn.wave.reference import propagate_reference
+from gcm_learn.wave.solver import propagate_in_plane as propagate
 from tests.wave.scenes import (
     SYMMETRIES,
     arrival_tau,

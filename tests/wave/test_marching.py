@@ -7,8 +7,10 @@ import pytest
 
 from gcm_learn import seeding
 from gcm_learn.charts.lattice import hand_space
-from gcm_learn.wave import MarchingParams, WaveParams, march, propagate
+from gcm_learn.wave import MarchingParams, WaveParams
+from gcm_learn.wave.causal import march_in_plane as march
 from gcm_learn.wave.kernels import CONTACT, FREE, FROZEN
+from gcm_learn.wave.solver import propagate_in_plane as propagate
 from tests.wave.scenes import (
     SPEED,
     SYMMETRIES,

@@ -11,7 +11,7 @@ from gcm_learn.errors import ArmKindError, LatticeError
 from gcm_learn.maps import CognitiveMap, build_map
 from gcm_learn.scene import pack
 from gcm_learn.situation import situation_from_json
-from gcm_learn.wave import MarchingParams
+from gcm_learn.wave import MarchingParams, WaveParams
 from tests.chains import SETS, drawn
 from tests.geometry import arm_of, least_at
 
@@ -109,6 +109,6 @@ def test_what_chains_have_not_is_refused():
     with pytest.raises(LatticeError, match="4 postures: a cell of a chain has 1"):
         chart_of(situation, 16, 4)
     with pytest.raises(ArmKindError, match="a wave does not take chains"):
-        build_map(situation)
+        build_map(situation, WaveParams())
     with pytest.raises(ArmKindError, match="marching that may wait does not take chains"):
         build_map(situation, PARAMS, wait=True)

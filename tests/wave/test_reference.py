@@ -7,7 +7,7 @@ import pytest
 
 from gcm_learn.wave import WaveParams
 from gcm_learn.wave.params import EXCITED, REST
-from gcm_learn.wave.stepping import couplings, euler_step, reaction
+from gcm_learn.wave.reference import couplings, euler_step, reaction
 
 SADDLE = (1.0, -1.0 / 7.0)
 PARAMS = WaveParams()

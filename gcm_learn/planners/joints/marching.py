@@ -30,7 +30,7 @@ from gcm_learn.planners.joints.ways import (
 from gcm_learn.planners.plan import Plan, in_joints
 from gcm_learn.scene import HAND, PART, Scene
 from gcm_learn.situation import AnySituation
-from gcm_learn.wave import MarchingParams, WaveParams, fastest
+from gcm_learn.wave import MarchingParams, fastest
 
 INSTANTS, SWIVELS = 32, 12  # of interceptions that are dashed for under limits of acceleration
 ENDINGS = 24  # moments at which a way's end is tried
@@ -63,14 +63,12 @@ class FrontInSpace:
     """Maps, until the way to an interception holds."""
 
     name: str
-    levels: tuple[tuple[WaveParams | MarchingParams, int], ...]
+    levels: tuple[tuple[MarchingParams, int], ...]
     """Parameters of the fronts, and postures in a cell."""
     trials: int = 3
     """Fronts on each of them, each for interceptions later than those before."""
     contacts: int = 1
     """Interceptions that are tried of each front."""
-    wait: bool = False
-    """The hand may wait: maps then have sheets."""
     endings: Endings = LAST
     accelerates: bool = True
     """Limits of acceleration are kept."""
@@ -95,9 +93,7 @@ class FrontInSpace:
         for params, postures in self.levels:
             chart, ignore = chart_of(situation, params.n, postures), 0.0
             for trial in range(self.trials):
-                found = build_map(
-                    situation, params, chart=chart, scene=scene, ignore=ignore, wait=self.wait
-                )
+                found = build_map(situation, params, chart=chart, scene=scene, ignore=ignore)
                 if found.interception is None:
                     reason = reason or Reason(Failure.NO_INTERCEPTION)
                     break
@@ -109,38 +105,20 @@ class FrontInSpace:
         return problem.answer(reason or Failure.NO_INTERCEPTION, found)
 
 
-def posture_marching(postures: tuple[int, ...] = (1, 4, 8), *, wait: bool = False) -> FrontInSpace:
-    """Marching over cells of ever more postures; the hand may `wait`."""
+def posture_marching(postures: tuple[int, ...] = (1, 4, 8)) -> FrontInSpace:
+    """Marching over cells of ever more postures."""
     params = MarchingParams(n=40, margin=0.0)
-    return FrontInSpace("marching", tuple((params, count) for count in postures), wait=wait)
+    return FrontInSpace("marching", tuple((params, count) for count in postures))
 
 
-def hand_marching(name: str = "marching") -> FrontInSpace:
+def hand_marching() -> FrontInSpace:
     """Marching over cells of a chain's hand, each with the one posture that the front found.
 
     A cell can be missed that only another posture can enter.  The approach of a target is asked at
     the end only.  Under limits of acceleration there is no answer.
     """
     levels = tuple((MarchingParams(n=n, margin=0.0, until="horizon"), 1) for n in CELLS)
-    return FrontInSpace(name, levels, 1, CONTACTS, endings=CHAIN_ENDINGS, accelerates=False)
-
-
-def hand_gcm() -> FrontInSpace:
-    """`hand_marching` under the name of the paper's map.
-
-    Chains have no wave of Eq. 10. A front's arrivals are the map, and its way back through the
-    cells is the walk down their gradient.
-    """
-    return hand_marching("gcm")
-
-
-def gcm_in_space(params: WaveParams | None = None) -> FrontInSpace:
-    """The paper's planner in space: the wave of Eq. 10 over cells of one posture.
-
-    With a margin first, as in the plane, then without one: moves are judged for what they are.
-    """
-    params = WaveParams(step=0.4) if params is None else params
-    return FrontInSpace("gcm", ((params, 1), (replace(params, margin=0.0), 1)))
+    return FrontInSpace("marching", levels, 1, CONTACTS, endings=CHAIN_ENDINGS, accelerates=False)
 
 
 def kept(problem: SpatialProblem) -> Scene:
@@ -161,12 +139,14 @@ def followed(
     endings : Endings
     """
     assert found.interception is not None
-    states = np.array(chain_to(found, found.met))
-    joints = postures_of(found, states % found.chart.size)
-    times = found.sheets.ravel()[states].filled(0.0).astype(float)
+    nodes = np.array(chain_to(found, found.met))
+    joints, times = (
+        postures_of(found, nodes),
+        found.arrival.ravel()[nodes].filled(0.0).astype(float),
+    )
     body = [b.name for b in problem.situation.bodies].index(found.interception.body)
     way, out = new_way(joints.shape[1]), new_way(joints.shape[1])
-    if len(states) + 2 > MOST or not lay(study, joints, times, found.engine == "layered", way):
+    if len(nodes) + 2 > MOST or not lay(study, joints, times, way):
         return None, Reason(Failure.NO_ENDING)
     wanted = found.interception.time
     apart = endings.later * found.chart.spacing / fastest(problem.scene)
@@ -203,19 +183,16 @@ def postures_of(found: CognitiveMap, nodes: np.ndarray) -> np.ndarray:
 
 
 @njit(_nrt=False)
-def lay(study: Study, joints: np.ndarray, times: np.ndarray, waits: bool, way: Way) -> bool:
+def lay(study: Study, joints: np.ndarray, times: np.ndarray, way: Way) -> bool:
     """Write the way through joints (m, dof), wanted at times (m,), as soon as limits allow.
 
-    If time is left, the limb waits before the move, or moves more slowly without `waits`.
-    Returns whether it comes before the horizon.
+    If time is left, the limb moves more slowly.  Returns whether it comes before the horizon.
     """
     limits, now = study.scene.limits, 0.0
     write(way, 0, study.scene.limb.start, 0.0, 0.0)
     for k in range(times.size):
         took, _ = time_of(study, way.joints[k], joints[k])
         now = max(now + took, times[k])
-        if waits and k > 0:
-            way.left[k] = now - took
         write(way, k + 1, joints[k], now, now)
     return now < limits.horizon
 

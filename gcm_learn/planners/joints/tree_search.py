@@ -151,14 +151,10 @@ class TreeSearch:
         return problem.answer(Failure.OUT_OF_TIME if problem.over else Failure.NO_TREE)
 
 
-def search_in_space(name: str = "search", effort: float = 1.0) -> TreeSearch:
+def search_in_space(effort: float = 1.0) -> TreeSearch:
     """Return the search for spatial arms, with a share of the postures that it draws."""
-    return TreeSearch(name, max(round(effort * ROUNDS), 1), max(round(effort * PATIENCE), 1))
-
-
-def layered_in_space() -> TreeSearch:
-    """Return the same search by the name of planar arms' default."""
-    return search_in_space("layered")
+    rounds, patience = (max(round(effort * most), 1) for most in (ROUNDS, PATIENCE))
+    return TreeSearch(rounds=rounds, patience=patience)
 
 
 def _stilled(

@@ -188,16 +188,16 @@ def fig8() -> Figure:
 
 
 def _in_space(name: str) -> Figure:
-    """Draw a scene without the arm's plane, and the catch that the wave finds."""
+    """Draw a scene without the arm's plane, and the catch that marching finds."""
     situation = SPATIAL_SCENES[name]()
-    return plan_figure(situation, solve(situation, "gcm"))
+    return plan_figure(situation, solve(situation, "marching"))
 
 
 def _in_a_body(name: str) -> Figure:
     """Draw what an arm with mass and motors makes of the plan for a scene (extra ``sim``)."""
     scene = SPATIAL_SCENES[name]()
     situation = with_motor_limits(scene, body_for(scene.arm))
-    plan: Plan = solve(situation, "layered")
+    plan: Plan = solve(situation)
     return execution_figure(situation, execute(plan, situation))
 
 

@@ -73,7 +73,7 @@ def _evenly(count: int, wanted: int) -> np.ndarray:
 
 
 def _first_choice(planners: Sequence[str]) -> str:
-    return "layered" if "layered" in planners or not planners else planners[0]
+    return next((n for n in ("layered", "search", *planners) if n in planners), "layered")
 
 
 def _picture(records: Sequence[Record], path: Path, caption: str) -> Picture:

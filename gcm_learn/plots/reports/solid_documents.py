@@ -28,9 +28,9 @@ from gcm_learn.plots.figures.scenery import (
 from gcm_learn.rendering import Camera, JointSituation, body_poses, view_of
 from gcm_learn.situation import Body, Situation, SolidQuadratic, Sphere, shipped_arm
 
-ENGINE = "gcm"
+ENGINE = "marching"
 SHOWN = 0.6  # of the time to the catch: when hand-space is shown
-INSTANTS = (0.2, 0.45, 0.7)  # of it: the wave's snapshots; the contact follows
+INSTANTS = (0.2, 0.45, 0.7)  # of it: the front's snapshots; the contact follows
 BESIDE = np.array([0.28, 0.0])  # [forearms] from a thing to its name
 FRAMES, BODY_FRAMES, CELL_FRAMES, VIEWS = 24, 18, 12, 6
 WORD = "#b7791f"  # darker than what it names, to be readable

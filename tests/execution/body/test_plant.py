@@ -27,7 +27,7 @@ NAO = paper_scene("fig8-space")
 def swung():
     """The paper's pendulum, planned under the motors' limits, and executed."""
     situation = execution.with_motor_limits(NAO, execution.body_for(NAO.arm))
-    plan = get_planner("layered").plan(situation)
+    plan = get_planner("search").plan(situation)
     assert plan.caught
     return situation, plan, execution.execute(plan, situation)
 

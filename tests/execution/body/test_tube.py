@@ -17,7 +17,7 @@ from tests.judging import judge
 from tests.worlds import among, panda, solid_ball
 
 NAO = paper_scene("fig8-space")
-LAYERED = get_planner("layered")
+SEARCH = get_planner("search")
 
 
 @pytest.fixture(scope="module")
@@ -27,7 +27,7 @@ def limited():
 
 def test_a_plan_in_a_tube_keeps_its_width_and_meets_deeper(limited):
     tube = Tube(still=0.001, per_speed=0.002)
-    bare, roomy = LAYERED.plan(limited), InTube(LAYERED, tube).plan(limited)
+    bare, roomy = SEARCH.plan(limited), InTube(SEARCH, tube).plan(limited)
     assert bare.caught and roomy.caught
     fastest = np.linalg.norm(np.diff(roomy.trajectory.hand_at(np.arange(0, roomy.catch_time, STEP)),
                                      axis=0), axis=1).max() / STEP  # fmt: skip
@@ -39,7 +39,7 @@ def test_a_plan_in_a_tube_keeps_its_width_and_meets_deeper(limited):
 
 
 def test_no_room_is_no_plan(limited):
-    plan = InTube(LAYERED, Tube(still=0.2)).plan(limited)
+    plan = InTube(SEARCH, Tube(still=0.2)).plan(limited)
     assert plan.status == "unreachable"
     assert plan.message
 
@@ -60,7 +60,7 @@ def test_a_plan_of_a_chain_in_a_tube_keeps_its_width():
 
 
 def test_a_tube_holds_what_it_was_measured_on(limited):
-    plan = LAYERED.plan(limited)
+    plan = SEARCH.plan(limited)
     done = execute(plan, limited)
     tube = measured_tube([done], quantile=1.0)
     steps = np.arange(round(done.catch_time / STEP) + 1)
@@ -83,7 +83,7 @@ def strayed(done, rng):
 
 def test_a_tube_covers_errors_that_are_drawn_anew(limited, monkeypatch, rng):
     """At most a few in a hundred are outside, whether the hand is slow or fast."""
-    done = execute(LAYERED.plan(limited), limited)
+    done = execute(SEARCH.plan(limited), limited)
     ended = done.movement
     monkeypatch.setattr(Execution, "movement", property(lambda _: ended))
     measured = measured_tube([strayed(done, rng) for _ in range(60)])

@@ -98,7 +98,7 @@ def test_what_is_planned_happens(family):
     seen = 0
     for k in range(4):
         situation = families.draw(family, 1400, k)
-        plan = get_planner("layered").plan(situation)
+        plan = get_planner("search").plan(situation)
         if not plan.caught:
             continue
         seen, begin = seen + 1, LEADS.of(situation).begun
