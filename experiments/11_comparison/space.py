@@ -42,11 +42,11 @@ HERE = Path(__file__).resolve().parent
 SEED = 1420
 COUNT = 12  # situations of each family
 BUDGET_MS = 100.0  # of ST-RRT*
-PLANNERS = ("straight", "straight-wait", "potential", "gcm", "marching", "layered")
+PLANNERS = ("straight", "straight-wait", "potential", "marching", "search")
 POLICIES = ("ppo-space", "ppo-space@20")
 """A trained actor that acts as it goes, unverified, and the same tried out and verified first."""
 METHODS = (*PLANNERS, "st-rrt-star", *POLICIES)
-KEEPING = ("marching", "layered", "ppo-space@20")
+KEEPING = ("marching", "search", "ppo-space@20")
 """Keep limits of acceleration; plans of the others are followed as they are, corners and all."""
 OUT = HERE / "out" / "space.jsonl"
 

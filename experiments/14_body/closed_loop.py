@@ -93,7 +93,7 @@ def situation_of(index: int, seed: int = SEED) -> Situation[SpatialArm]:
 def mind_of(habit: str) -> Mind:
     """Who acts."""
     if habit in HABITS:
-        return Planning(get_planner("layered"), habit)
+        return Planning(get_planner("search"), habit)
     return shipped_actor(habit).mind()
 
 
@@ -179,7 +179,7 @@ def main() -> None:
     FOLDER.mkdir(exist_ok=True)
     path = FOLDER / "closed-loop.jsonl"
     rows, since = done(path), monotonic()
-    get_planner("layered").plan(situation_of(0))  # compiled before anything is charged
+    get_planner("search").plan(situation_of(0))  # compiled before anything is charged
     with path.open("a") as stream:
         for case in cases(given.plant, given.count, given.policy):
             if monotonic() - since > 60.0 * given.minutes:

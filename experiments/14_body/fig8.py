@@ -122,7 +122,7 @@ def measured(index: int) -> dict[str, Any]:
     """What is planned for a variation, and what becomes of it, with three others beside it."""
     free = varied(index)
     limited = with_motor_limits(free, body_for(free.arm))
-    planner, since = get_planner("layered"), process_time()
+    planner, since = get_planner("search"), process_time()
     plan: Any = planner.plan(limited)
     ms = 1e3 * (process_time() - since)
     loose: Any = planner.plan(free)

@@ -46,7 +46,6 @@ OUT, TUBES = HERE / "out" / "h10.jsonl", HERE / "tubes.json"
 Bodied = Situation[Any]
 
 
-PLANNERS = ByKind({CHAIN: "search"}, default="layered")
 BODIED: ByKind[dict[str, Any]] = ByKind({SPATIAL: {"human": 0.5, "nao": 0.5}, CHAIN: {}})
 """Fields of the families' arms with which only arms are drawn that have bodies."""
 
@@ -72,7 +71,7 @@ def measure_tubes(kind: str) -> None:
                 continue
             body = body_for(free.arm)
             situation = with_motor_limits(free, body)
-            plan = get_planner(PLANNERS.of(situation)).plan(situation)
+            plan = get_planner("search").plan(situation)
             if not plan.caught:
                 continue
             for condition in CONDITIONS:
@@ -90,7 +89,7 @@ def answer(family: str, index: int, tubes: dict[str, Any]) -> dict[str, Any]:
     """A situation planned and executed in all ways."""
     free = drawn(family, SEED, index)
     body = body_for(free.arm)
-    situation, planner = with_motor_limits(free, body), get_planner("layered")
+    situation, planner = with_motor_limits(free, body), get_planner("search")
     row: dict[str, Any] = {"family": family, "index": index, "body": body.name}
     row["kinematic"] = planner.plan(free).caught
     plans: dict[str, Any] = {}

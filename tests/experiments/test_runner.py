@@ -44,7 +44,7 @@ def test_an_answered_experiment_names_the_commit_of_its_code(words):
 
 
 def test_answered_experiments_keep_no_code():
-    assert len(ANSWERED) == 12
+    assert len(ANSWERED) == 13
     assert not [*runner.HERE.glob("answered/**/*.py")]
 
 
@@ -66,9 +66,9 @@ def test_a_wrong_name_is_one_line_that_names_the_nearest(name, reason):
 
 
 def test_a_script_gets_the_words_after_its_name_and_finds_its_neighbours():
-    answer = asked("02_waiting", "--per-stratum", "few")
+    answer = asked("11_comparison", "noise", "out", "--count", "few")
     assert answer.returncode == 2
-    assert "argument --per-stratum: invalid int value: 'few'" in answer.stderr
+    assert "argument --count: invalid int value: 'few'" in answer.stderr
 
 
 def test_a_folder_without_a_dataset_is_one_line(tmp_path):

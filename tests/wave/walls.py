@@ -212,16 +212,3 @@ def leaked_cells(walls: Walls, front: Front) -> int:
     low, high = (wall.at(t) for wall in walls.pair)
     inside = np.mod(walls.direction - low, 2.0 * np.pi) < high - low
     return int(np.count_nonzero(~(front.refused | front.met) & (t > walls.out) & ~inside))
-
-
-def leaked_states(walls: Walls, front: Front) -> int:
-    """Count the states of a front that waits that are on the far side of a wall.
-
-    The hand may stay in a state from its arrival to its end, so both count.
-    """
-    direction, leaked = walls.direction[tuple(front.cells.T)], front.arrival > walls.out
-    outside = np.zeros(len(direction), dtype=bool)
-    for t in (front.arrival, front.end):
-        low, high = (wall.at(t) for wall in walls.pair)
-        outside |= np.mod(direction - low, 2.0 * np.pi) >= high - low
-    return int(np.count_nonzero(leaked & outside))
