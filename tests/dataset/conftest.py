@@ -33,7 +33,7 @@ MARKED = DatasetSpec(
 
 
 SPACE = DatasetSpec(
-    "space", seed=7, count=12, planners=("straight", "layered"), map="none", shard_size=4,
+    "space", seed=7, count=12, planners=("straight", "search"), map="none", shard_size=4,
     families=tuple(map(FamilyShare, ("window-space", "late-target-space", "pendulum-space"))),
 )  # fmt: skip
 SLOW_BELTS = {"parts": [2, 3], "posts": [0, 1], "directed": 0.0, "pace": [0.05, 0.2]}

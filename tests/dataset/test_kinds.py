@@ -104,16 +104,16 @@ def test_the_report_says_which_arms(chains):
 
 def test_strata_say_what_the_plans_show(space):
     for record in space:
-        straight, layered = record.plans["straight"], record.plans["layered"]
+        straight, patient = record.plans["straight"], record.plans["search"]
         problem = SpatialProblem(record.situation, "test")
         line = any_straight(problem, 32).caught
         assert (record.stratum == "L") == (straight.caught or line)
         if record.stratum == "U":
-            assert not layered.caught
+            assert not patient.caught
         elif record.stratum != "L":
-            hurried = without_waits(problem, layered)
-            assert layered.caught and (record.stratum == "W") == (hurried is not None)
-            assert hurried is not None or layered.trajectory.rests
+            hurried = without_waits(problem, patient)
+            assert patient.caught and (record.stratum == "W") == (hurried is not None)
+            assert hurried is not None or patient.trajectory.rests
 
 
 def test_the_situation_is_canonical_and_its_frame_leads_back(space):

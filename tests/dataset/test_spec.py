@@ -107,7 +107,11 @@ MIXED = (FamilyShare("gate"), FamilyShare("window-space"))
         (SMALL, {"effort": 0.5}, "effort: is for spatial arms"),
         (SPACE, {"effort": 2.0}, "effort: must be a share, 0 to 1 (got 2.0)"),
         (SPACE, {"map": "wave"}, f"{WHOLE}spatial arms"),
-        (SPACE, {"planners": ("layered-wave",)}, "planners[0]: 'layered-wave' does not take spat"),
+        (
+            SPACE,
+            {"planners": ("gcm",)},
+            "planners[0]: 'gcm' does not take spatial arms; 'marching'",
+        ),
         (SPACE, {"families": MIXED}, "families[1]: is for spatial arms, and the first one for pl"),
     ],
 )

@@ -19,7 +19,7 @@ from gcm_learn.scene.bodies import TOP_SPEED
 from gcm_learn.scene.packing import pack, pack_bodies, pose
 from tests.worlds import disc, solid_ball
 
-PLANNERS = [get_planner(name) for name in ("straight", "marching", "layered")]
+PLANNERS = [get_planner(name) for name in ("straight", "marching", "search")]
 STRATA = "LWQ"
 AWAY = disc("away", (9.0, 0.0), role="target", radius=0.1)
 AWAY_3D = solid_ball("away", (9.0, 0, 0), role="target", radius=0.1)

@@ -14,7 +14,8 @@ from gcm_learn.arms import Arm
 from gcm_learn.charts import Lattice, chart_of
 from gcm_learn.charts.extended import occupied_cells
 from gcm_learn.charts.lattice import hand_space
-from gcm_learn.errors import ArmKindError, FileFormatError
+from gcm_learn.errors import ArmKindError, FileFormatError, LatticeError
+from gcm_learn.families import gate_scene
 from gcm_learn.families.random_planar import random_planar
 from gcm_learn.families.random_solid import random_solid
 from gcm_learn.maps import CognitiveMap, build_map, explore
@@ -266,9 +267,9 @@ def test_sheets_are_different_spans_in_which_a_cell_is_free(k):
 SPACE, LINKS = situation_from_json(NAO), situation_from_json(CHAIN)
 WAVE, MARCHING = WaveParams(), MarchingParams()
 REFUSALS = [
-    (SPACE, WAVE, True, "a wave that may wait does not take spatial arms"),
+    (SPACE, WAVE, False, "a wave does not take spatial arms"),
+    (SPACE, MARCHING, True, "marching that may wait does not take spatial arms"),
     (LINKS, WAVE, False, "a wave does not take chains"),
-    (LINKS, WAVE, True, "a wave that may wait does not take chains"),
     (LINKS, MARCHING, True, "marching that may wait does not take chains"),
 ]
 
@@ -279,3 +280,16 @@ def test_a_map_or_a_front_that_cannot_be_is_refused(situation, params, wait, mes
     assert said == f"{message} (situation {situation.name!r})"
     chart = chart_of(situation, 20)
     assert message in refusal(ArmKindError, explore, pack(situation), chart, params, wait=wait)
+
+
+def test_a_wave_that_is_to_wait_is_refused():
+    said = refusal(LatticeError, build_map, gate_scene(), WAVE, wait=True)
+    assert said == "wait: a wave freezes for ever what it meets; take MarchingParams"
+
+
+@pytest.mark.parametrize(
+    ("situation", "wait", "engine"),
+    [(gate_scene(), False, "wave"), (gate_scene(), True, "layered"), (SPACE, False, "marching")],
+)
+def test_every_arm_has_a_map_by_default(situation, wait, engine):
+    assert build_map(situation, wait=wait).engine == engine

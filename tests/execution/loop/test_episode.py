@@ -111,7 +111,7 @@ def test_a_world_holds_the_scenes_that_it_was_made_of(scenes):
 
 def test_catches_of_planners_are_caught_in_the_arena(arms):
     """When the plan does, or in the step after; with limits of acceleration too."""
-    planner = get_planner("layered")
+    planner = get_planner("search")
     plans = [planner.plan(situation) for situation in arms]
     shown = [k for k, plan in enumerate(plans) if plan.caught and plan.trajectory.duration > 0.0]
     pool = execution.Pool.of([arms[k] for k in shown])
