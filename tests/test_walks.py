@@ -169,15 +169,13 @@ def test_from_an_observation_to_an_action(name, family, settings, called):
         ("chain", ["search", "straight-wait"]),
     ],
 )
-def test_from_an_evaluation_to_a_report(kind, planners, called, tmp_path):
+def test_from_a_comparison_to_its_page(kind, planners, called, tmp_path):
     pytest.importorskip("pyarrow")
-    from gcm_learn import evaluation, plots
+    from gcm_learn import evaluation
 
-    title = "From an evaluation to a report"
+    title = "From a comparison to its page"
     seen = called(WALKS[title])
-    entries = evaluation.draw_suite("demo", 50)[:4]
-    if kind != "planar":
-        entries = [evaluation.Entry("mine", 0, DRAWN[kind](""), "mine", "W", 1.0)]
-    results = evaluation.compare(planners, entries, charge=0, workers=1)
-    assert plots.write_report(results, entries, tmp_path).exists()
+    found = evaluation.cases(*(["demo"] if kind == "planar" else [DRAWN[kind]("")]), count=4)
+    sheet = evaluation.ask(planners, found)
+    assert evaluation.page(sheet, tmp_path).exists()
     assert seen == WALKS[title]

@@ -10,9 +10,8 @@ from pathlib import Path
 import pytest
 
 from gcm_learn import artifacts, compiled
-from gcm_learn.benchmark import SUITES
 from gcm_learn.cli.demo import PLACES
-from gcm_learn.evaluation.suites import FROZEN
+from gcm_learn.evaluation import FROZEN, SHIPPED
 
 ROOT = Path(__file__).parents[1]
 LARGEST = 27e6  # bytes
@@ -59,7 +58,7 @@ def test_it_is_small_and_has_what_is_asked_for_by_name(wheel):
     wanted.add(Path("models/ppo-space/actor3d.npz"))
     wanted |= {Path("models/recall/manifest.json"), Path("models/encoder/encoder.safetensors")}
     wanted |= {Path("models", f"recall-{name}", "manifest.json") for name in ("space", "panda")}
-    wanted |= {Path("data", suite.file) for suite in SUITES.values()}
+    wanted |= {Path("data", suite.file) for suite in SHIPPED.values()}
     assert wanted | {Path("data/suites/demo.jsonl")} <= carried
     assert all((ROOT / path).is_file() for path in carried)
     assert "gcm_learn/play/pages/index.html" in names
@@ -86,7 +85,7 @@ def test_an_installed_package_finds_it_and_writes_elsewhere(installed, tmp_path)
     code = f"""
 import gcm_learn
 from gcm_learn import artifacts
-from gcm_learn.evaluation import draw_suite
+from gcm_learn.evaluation import cases
 from gcm_learn.policies.planner import actor_names, shipped_actor
 from gcm_learn.recall import shipped_memory
 assert gcm_learn.__file__.startswith({str(installed)!r})
@@ -94,7 +93,7 @@ assert artifacts.kept("data").is_relative_to({str(tmp_path)!r}), artifacts.kept(
 assert len(shipped_memory("recall")) > 1000
 assert actor_names() == {list(ACTORS)}
 assert all(shipped_actor(name).layers for name in actor_names())
-assert len(draw_suite("demo", {max(FROZEN["demo"])})) == {max(FROZEN["demo"])}
+assert len(cases("demo", count={max(FROZEN["demo"])})) == {max(FROZEN["demo"])}
 """
     before = sorted(path for path in installed.rglob("*") if path.is_file())
     env = {name: text for name, text in os.environ.items() if not name.startswith("GCM_LEARN")}

@@ -13,45 +13,46 @@
 # %% [markdown]
 # # Compare planners and policies
 #
-# All on the same frozen situations: planners, and the trained policies that come with the repository, acting
-# as they go or (`@20`) tried out with the predictor and verified before the hand moves. With all strata
-# and more situations this is the main figure of the report that `gcm-learn evaluate` writes.
+# Draw situations, ask whatever acts, and look at one sheet of answers. The referee judges each answer. A trained policy
+# acts as it goes, or (`@20`) is tried out with the predictor and verified before the hand moves.
 
 # %%
 # %matplotlib inline
 import os
+from tempfile import mkdtemp
 
-from gcm_learn.evaluation import compare, draw_suite
-from gcm_learn.evaluation import beyond_chance, measured, pairs
-from gcm_learn.plots import families_figure, rates_figure
+from gcm_learn.evaluation import Condition, ask, cases, page, pairs, shares
 
 FAST = bool(os.environ.get("GCM_LEARN_FAST"))
-entries = draw_suite("demo", 8 if FAST else 50)
-names = ["straight", "layered", "clone"] if FAST else [
-    "straight", "straight-wait", "potential", "gcm", "marching", "layered",
-    "clone", "clone@20", "ppo", "ppo-clone", "ppo-clone@20",
-]  # fmt: skip
-results = compare(names, entries, charge=0, workers=1)
-rates_figure(results)
+count = 4 if FAST else 30
+mine = cases("gate", "crossing-swarm", count=count, seed=1)
+entrants = ["search", "straight", "recall", "clone"]
+if not FAST:
+    entrants += ["hybrid", "straight-wait", "marching", "clone@20"]
+conditions = [Condition(), Condition(thinking=0.02), Condition(thinking="own")]
+sheet = ask(entrants, mine, conditions, keep=mkdtemp())
 
 # %% [markdown]
-# In numbers, over the situations that can be caught at all, and each against `layered`.
+# Shares of catches, without thinking charged, after 20 ms, and after each answer's own processor time. Families may hold
+# situations without any catch, so look at differences rather than at shares.
 
 # %%
-reachable = results.where(results["stratum"] != "U")
-for name in names:
-    m = measured(reachable, name)
-    print(
-        f"{name:14} caught {m.caught.value:4.0%}, touched {m.collisions.value:4.0%}, {m.latency:6.1f} ms"
-    )
+print(shares(sheet, ("entrant", "thinking")))
 
 # %%
-for pair in pairs(results, "layered"):
-    d = pair.difference
-    print(
-        f"{pair.first:14} {d.value:+.2f} ({d.low:+.2f} to {d.high:+.2f}), p = {pair.p:.3f}, "
-        f"beyond chance: {beyond_chance(d, pair.p)}"
-    )
+plain = sheet.where(thinking="0 ms")
+print(pairs(plain, "search", "family"))
+
+# %% [markdown]
+# One page has the rest: times, families, what goes wrong, conditions and the machine. `gcm-learn compare search,recall
+# --on mine.jsonl` does the same for situations in a file.
 
 # %%
-families_figure(results)
+print(page(sheet, mkdtemp()))
+
+# %%
+from gcm_learn.plots import sheet_figures
+
+names = plain.each("entrant")
+spans = dict(zip(names, shares(plain, "entrant")["caught [%]"], strict=True))
+sheet_figures.spans_figure("gates and swarms", "caught [%]", spans, sheet_figures.colours_of(names))

@@ -75,14 +75,14 @@ for planner in (Direct(), Direct(wait=0.4)):
 # situations in which the planner raised an exception: `place` knows parabolas only.
 
 # %%
-from gcm_learn.evaluation import compare, draw_suite
+from collections import Counter
 
-suite = draw_suite("demo", 8)
-results = compare(["straight", Direct(), "search"], suite, charge=0, workers=1)
-names, outcomes = results["entrant"], results["outcome"]
-for name in dict.fromkeys(names.tolist()):
-    rows = outcomes[names == name]
-    print(f"{name:12}", {one: int((rows == one).sum()) for one in sorted(set(rows.tolist()))})
+from gcm_learn.evaluation import ask, cases
+
+suite = cases("demo", count=8)
+sheet = ask(["straight", Direct(), "search"], suite)
+for name in sheet.each("entrant"):
+    print(f"{name:12}", dict(Counter(sheet.where(entrant=name)["outcome"].tolist())))
 
 # %% [markdown]
 # Where does it fail? The path of the search, over the map of the first situation that it catches.
@@ -91,9 +91,9 @@ for name in dict.fromkeys(names.tolist()):
 from gcm_learn import build_map
 from gcm_learn.plots import plot_map
 
-entry = next(e for e in suite if solve(e.situation).caught)
-plan = solve(entry.situation)
-plot_map(build_map(entry.situation), path=plan.trajectory.hand).figure
+case = next(case for case in suite if solve(case.situation).caught)
+plan = solve(case.situation)
+plot_map(build_map(case.situation), path=plan.trajectory.hand).figure
 
 # %% [markdown]
 # **Try.** Let `Direct` try several waits and arrivals, and return the first plan for which

@@ -19,7 +19,7 @@ from typing import Any
 from report import write_report
 
 from gcm_learn.envs import Pool
-from gcm_learn.evaluation import draw_suite
+from gcm_learn.evaluation import cases
 from gcm_learn.policies import Actor, TrainingPlan, plan_of, score, train
 
 HERE = Path(__file__).parent
@@ -104,9 +104,9 @@ def tested(folder: Path, count: int) -> dict[str, float]:
     """Catches and touches of a trained actor on the frozen suites of the strata."""
     kept = folder / f"suites-{count}.json"
     if not kept.exists():
-        entries = [e for name in STRATA for e in draw_suite(name, count)]
-        pool = Pool.of([entry.situation for entry in entries])
-        scores = score(Actor.load(folder), pool, [entry.stratum for entry in entries])
+        found = cases(*STRATA, count=count)
+        pool = Pool.of([case.situation for case in found])
+        scores = score(Actor.load(folder), pool, [case.stratum for case in found])
         kept.write_text(json.dumps(scores) + "\n")
     found: dict[str, float] = json.loads(kept.read_text("utf-8"))
     return found

@@ -96,18 +96,18 @@ def acted(name: str, free: Spatial, body: ArmBody) -> dict[str, Any]:
     With mass its path under the motors' limits is followed as plans are. Beside it, the motors
     servo to its commands, as in the arena with mass.
     """
-    result = get_method(name).run(free)
+    result = get_method(name).answer(free)
     told: dict[str, Any] = {
         "caught": result.outcome == "caught",
         "touched": result.outcome == "touched",
-        "ms": round(result.latency, 2),
+        "ms": round(result.ms, 2),
     }
     if told["caught"]:
-        told["complaints"] = judged(free, result.trajectory)
+        told["complaints"] = judged(free, result.plans[0].trajectory)
     limited = with_motor_limits(free, body)
-    under = get_method(name).run(limited)
+    under = get_method(name).answer(limited)
     told["limited"] = under.outcome == "caught"
-    plan = Plan(free.name, name, "caught", "", 0.0, trajectory=under.trajectory)
+    plan = Plan(free.name, name, "caught", "", 0.0, trajectory=under.plans[0].trajectory)
     told["body"] = execute(plan, limited, body).status
     actor = shipped_actor(name)
     same = {field.name: getattr(actor.settings, field.name) for field in fields(SpatialSettings)}

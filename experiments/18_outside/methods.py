@@ -16,9 +16,9 @@ from suites import Question
 from experiments.common.judging import complaints
 from gcm_learn.arms import CHAIN
 from gcm_learn.errors import ArmKindError
-from gcm_learn.evaluation.kinds import resting
+from gcm_learn.evaluation import after
 from gcm_learn.planners import Plan, STRRTStarPlanner, get_planner, takes
-from gcm_learn.scene import later, pack
+from gcm_learn.scene import pack
 
 CHARGES_MS = (0.0, 20.0, 100.0)
 OURS = "search"
@@ -159,11 +159,8 @@ def _labels(name: str) -> list[str]:
 
 def _begun(situation: Any, charge: float) -> tuple[str, Any]:
     """Return what becomes of an arm that rests meanwhile, and the situation after it."""
-    delay = 1e-3 * charge
-    if delay >= situation.horizon:
-        return "late", None
-    fate = resting(situation, delay)
-    return fate, None if fate else later(situation, delay) if delay > 0.0 else situation
+    moved = after(situation, 1e-3 * charge)
+    return (moved, None) if isinstance(moved, str) else ("", moved)
 
 
 def _row(answer: Answer, situation: Any, charge: float, judged: Judged) -> dict[str, Any]:

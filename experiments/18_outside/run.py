@@ -27,7 +27,7 @@ from suites import Question
 
 from experiments import recompute
 from experiments.common import outcomes
-from gcm_learn.benchmark import passes
+from gcm_learn.evaluation import passes
 
 HERE = Path(__file__).resolve().parent
 SEED = 0x1542C6D1

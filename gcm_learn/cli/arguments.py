@@ -47,9 +47,8 @@ COMMANDS = {
     "memory embed": Entry("memory:Embed", "data/mine --out e.npz", "what an encoder makes of them"),
     "train policy": Entry("train:Policy", "ppo.yml --out models/mine", "learn in the arena"),
     "train encoder": Entry("train:Encoder", "data/mine --out models/e", "learn to recall"),
-    "evaluate": Entry("evaluate:Evaluate", "--policies layered,clone", "all on one suite"),
-    "benchmark": Entry("benchmark:Benchmark", "mine.py:Mine --out mine.json", "frozen suites"),
-    "leaderboard": Entry("leaderboard:Leaderboard", "mine.json", "result files as a page"),
+    "compare": Entry("compare:Compare", "search,mine.py:Mine --on mine.jsonl", "all on the same"),
+    "report": Entry("report:Report", "comparison/sheet.parquet", "sheets of answers as a page"),
     "cover": Entry("cover:Cover", "belt --out models/belt", "proven catches of a family"),
     "warm-up": Entry("warm_up:WarmUp", "", "compile everything now, not at the first use"),
     "demo": Entry("demo:Demo", "", "a page of results; figures and files to begin with"),
@@ -64,6 +63,9 @@ OLD = {
     "remember": "memory make",
     "train-policy": "train policy",
     "train-encoder": "train encoder",
+    "evaluate": "compare",
+    "benchmark": "compare",
+    "leaderboard": "report",
 }
 """Former commands, and what takes their place."""
 

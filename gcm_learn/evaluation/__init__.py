@@ -1,86 +1,58 @@
-"""Comparison: any planners and policies on the same situations, with paired statistics."""
+"""One sheet of answers: whatever acts, on any situations, judged by the referee.
 
-from gcm_learn.evaluation.contest import DELAYS, compare, warmed
-from gcm_learn.evaluation.costs import Cost, costs_of, log_of
-from gcm_learn.evaluation.entrants import Entrant, entrants_of
-from gcm_learn.evaluation.measures import (
-    Measures,
-    Pair,
-    charged_curve,
-    declines,
-    measured,
-    pairs,
-)
-from gcm_learn.evaluation.methods import ActorMethod, Method, Result, get_method
-from gcm_learn.evaluation.movements import collision_point
-from gcm_learn.evaluation.statistics import (
-    Interval,
-    beyond_chance,
-    chance,
-    difference,
-    hierarchical,
-    holm,
-    mcnemar,
-    stratified,
-    wilson,
-)
-from gcm_learn.evaluation.suites import (
-    Entry,
-    check_suite,
-    draw_suite,
-    hash_of,
-    suite_file,
-    suite_names,
-)
-from gcm_learn.evaluation.table import Results
-from gcm_learn.evaluation.under_noise import (
-    UnderNoise,
-    compare_under_noise,
-    noise_episodes,
-    under_noise,
-)
-from gcm_learn.evaluation.verdict import verdict, who
+>>> from gcm_learn.evaluation import Condition, ask, cases, page, pairs, shares
+>>> sheet = ask(["search", "recall"], cases("gate", count=50), keep="out")  # doctest: +SKIP
+>>> print(shares(sheet, "entrant"))                                        # doctest: +SKIP
+>>> page(sheet, "out")                                                     # doctest: +SKIP
+"""
+
+from typing import TYPE_CHECKING
+
+from gcm_learn.late import late_names
+
+if TYPE_CHECKING:
+    from gcm_learn.evaluation.asking import ask, asked_for
+    from gcm_learn.evaluation.conditions import Condition, after
+    from gcm_learn.evaluation.entrants import ActorMethod, Entrant, get_method
+    from gcm_learn.evaluation.judging import complaints_of, judged_again, read_sheets
+    from gcm_learn.evaluation.machine import passes
+    from gcm_learn.evaluation.measures import Table, pairs, shares
+    from gcm_learn.evaluation.report import page
+    from gcm_learn.evaluation.sheet import Sheet
+    from gcm_learn.evaluation.sources import Case, cases, check_sources, suite_lines
+    from gcm_learn.evaluation.statistics import (
+        Interval,
+        beyond_chance,
+        chance,
+        difference,
+        hierarchical,
+        holm,
+        mcnemar,
+        stratified,
+        wilson,
+    )
+    from gcm_learn.evaluation.suites import FROZEN, SHIPPED, draw_suite, hash_of
+
+# Loaded when they are asked for, so that wrong arguments are refused soon.
+__getattr__ = late_names(__name__, {
+    "asking": ("ask", "asked_for",),
+    "sources": ("Case", "cases", "check_sources", "suite_lines",),
+    "conditions": ("Condition", "after",),
+    "entrants": ("ActorMethod", "Entrant", "get_method",),
+    "judging": ("complaints_of", "judged_again", "read_sheets",),
+    "machine": ("passes",),
+    "measures": ("Table", "pairs", "shares",),
+    "report": ("page",),
+    "sheet": ("Sheet",),
+    "statistics": ("Interval", "beyond_chance", "chance", "difference", "hierarchical",
+        "holm", "mcnemar", "stratified", "wilson",),
+    "suites": ("FROZEN", "SHIPPED", "draw_suite", "hash_of",),
+})  # fmt: skip
 
 __all__ = [
-    "ActorMethod",
-    "Cost",
-    "DELAYS",
-    "Entrant",
-    "Entry",
-    "Interval",
-    "Measures",
-    "Method",
-    "Pair",
-    "Result",
-    "Results",
-    "UnderNoise",
-    "chance",
-    "charged_curve",
-    "check_suite",
-    "collision_point",
-    "compare",
-    "compare_under_noise",
-    "costs_of",
-    "declines",
-    "difference",
-    "draw_suite",
-    "entrants_of",
-    "get_method",
-    "hash_of",
-    "hierarchical",
-    "holm",
-    "log_of",
-    "beyond_chance",
-    "mcnemar",
-    "measured",
-    "noise_episodes",
-    "pairs",
-    "stratified",
-    "suite_file",
-    "suite_names",
-    "under_noise",
-    "verdict",
-    "warmed",
-    "who",
-    "wilson",
-]
+    "ActorMethod", "after", "ask", "asked_for", "beyond_chance", "Case", "cases", "chance",
+    "check_sources", "complaints_of", "Condition", "difference", "draw_suite", "Entrant",
+    "FROZEN", "get_method", "hash_of", "hierarchical", "holm", "Interval", "judged_again",
+    "mcnemar", "page", "pairs", "passes", "read_sheets", "shares", "Sheet", "SHIPPED",
+    "stratified", "suite_lines", "Table", "wilson",
+]  # fmt: skip

@@ -1,17 +1,118 @@
-"""Entrants of a comparison, each under a name of its own, and their calls, shared out."""
+"""Entrants: whatever answers situations, each under a name of its own."""
 
 from __future__ import annotations
 
+import inspect
 import pickle
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from functools import lru_cache
+from pathlib import Path
+from typing import Any, NamedTuple
 
-from gcm_learn.errors import SuiteError
-from gcm_learn.evaluation.methods import Method, get_method
-from gcm_learn.planners import LIMIT, absolute, in_words, name_of
-from gcm_learn.processes import cores, crew_of
+from gcm_learn.arms import Kind, kind_of
+from gcm_learn.errors import SuiteError, UnknownNameError
+from gcm_learn.evaluation.machine import spent
+from gcm_learn.planners import (
+    FAULTS,
+    LIMIT,
+    Plan,
+    Planner,
+    absolute,
+    acts,
+    found,
+    get_planner,
+    in_words,
+    instance,
+    is_registered,
+    name_of,
+    plan_with,
+    source_of,
+    summary_of,
+    taken,
+)
+from gcm_learn.policies import (
+    Acting,
+    Actor,
+    acted,
+    actor_folder,
+    all_actor_names,
+    is_actor,
+    own_policy,
+    shipped_actor,
+)
+from gcm_learn.processes import OutOfTime, time_limit
+from gcm_learn.recall import MANIFEST, Memory, with_memory
+from gcm_learn.situation import AnySituation, planar
+from gcm_learn.storage import content_hash
+
+WORDS = {"unreachable": "declined"}  # of outcomes, for a plan's status
+
+
+class Answer(NamedTuple):
+    """Answer to a situation, as it is claimed."""
+
+    outcome: str
+    """Of caught, declined, start_blocked, touched, late, broken and error."""
+    ms: float
+    """Processor time before the arm moves [ms]; of actors, that of one step."""
+    plans: tuple[Plan, ...] = ()
+    """The plan; of an actor that catches, one for each target that it may have caught."""
+    reason: str = ""
+    """Reason of a broken promise or an error."""
+
+
+@dataclass(frozen=True)
+class PlannerMethod:
+    """A planner: a catch is promised before the arm moves."""
+
+    name: str
+    planner: Planner
+
+    def check(self, situation: AnySituation) -> None:
+        """Raise ArmKindError unless the planner takes the arm."""
+        taken(self.planner, situation)
+
+    def answer(self, situation: AnySituation) -> Answer:
+        """Plan."""
+        plan = plan_with(self.planner, situation)
+        reason = plan.message if plan.status in FAULTS else ""
+        return Answer(WORDS.get(plan.status, plan.status), 0.0, (plan,), reason)
+
+
+@dataclass(frozen=True)
+class ActorMethod:
+    """A policy that acts step by step, its most likely action each time; nothing is promised."""
+
+    name: str
+    actor: Acting
+
+    def takes(self, kind: Kind) -> bool:
+        """Return whether the actor moves arms of a kind."""
+        return kind is self.actor.kind
+
+    def check(self, situation: AnySituation) -> None:
+        """Raise ArmKindError unless the actor moves the arm."""
+        if not self.takes(kind_of(situation)):
+            planar(situation, f"policy {self.name!r}")
+
+    def answer(self, situation: AnySituation) -> Answer:
+        """Play an episode."""
+        since = spent()
+        outcome, moves, steps = acted(self.actor, situation)
+        ms = 1e3 * (spent() - since) / max(steps, 1)
+        names = [target.name for target in situation.targets] if outcome == "caught" else [None]
+        status: Any = "caught" if outcome == "caught" else "unreachable"
+        plans = tuple(
+            Plan(situation.name, self.name, status, outcome, 0.0, moves.duration if body else None,
+                 body, trajectory=moves)
+            for body in names
+        )  # fmt: skip
+        return Answer(outcome, ms, plans)
+
+
+Method = PlannerMethod | ActorMethod
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,22 +124,24 @@ class Held:
 
 @dataclass(frozen=True)
 class Entrant:
-    """A method of a comparison, as it is sent to processes."""
+    """An entrant, as it is sent to processes."""
 
     name: str
-    """Name of its rows."""
+    """Name in the sheet."""
     source: str | bytes | Held
     """A name or a reference, a pickled object, or an object of this process."""
-    limit: float | None = LIMIT
-    """Time on the wall for each answer of a method from outside [s]."""
+    seed: int = 0
+    """Of the training, where one name stands for several trainings."""
+    known: str = ""
+    """Name and content: answers of another version do not count."""
 
-    def method(self) -> Method:
-        """Return the method.
+    def method(self, limit: float | None = LIMIT) -> Method:
+        """Return what answers.
 
         Raises
         ------
-        SuiteError
-            If an object cannot be unpickled here.
+        SuiteError, UnknownNameError
+            If an object cannot be unpickled here, or there is no such name.
         """
         source: Any = self.source
         if isinstance(source, Held):
@@ -48,20 +151,37 @@ class Entrant:
                 source = pickle.loads(source)
             except Exception as error:
                 raise SuiteError(_stays(self.name, in_words(error))) from None
-        return get_method(source, self.name, self.limit)
+        return get_method(source, self.name, limit)
 
 
-def entrants_of(
-    given: Sequence[str | Any], limit: float | None = LIMIT, *, alone: bool = True
-) -> list[Entrant]:
-    """Return entrants with distinct names.
+@lru_cache(maxsize=64)
+def ready(entrant: Entrant, limit: float) -> Method:
+    """Return the method of an entrant, made once in this process."""
+    return entrant.method(limit)
+
+
+def asked(method: Method, situation: AnySituation, limit: float) -> Answer:
+    """Let a method answer within a limit [s]; whatever it raises is an error."""
+    since, reason = spent(), ""
+    own = isinstance(method, PlannerMethod) and hasattr(method.planner, "limit")  # of `Outside`
+    try:
+        with time_limit(None if own else limit):
+            answer = method.answer(situation)
+        return answer if answer.ms else answer._replace(ms=1e3 * (spent() - since))
+    except OutOfTime:
+        reason = f"no answer within {limit:g} s"
+    except (Exception, SystemExit) as error:
+        reason = in_words(error)
+    return Answer("error", 1e3 * (spent() - since), reason=reason)
+
+
+def entrants_of(given: Sequence[Any], *, alone: bool = True) -> list[Entrant]:
+    """Return entrants under distinct names.
 
     Parameters
     ----------
-    given : sequence of str or object
-        See `get_method`.
-    limit : float, optional
-        Time on the wall for each answer of a method from outside [s].
+    given : sequence of Entrant, str or object
+        See `get_method`; an object is named by its `name`.
     alone : bool
         If false, other processes do the work, and objects have to be pickled.
 
@@ -72,8 +192,12 @@ def entrants_of(
     """
     made: list[Entrant] = []
     for item in given:
-        name = _distinct(item if isinstance(item, str) else name_of(item), made)
-        made.append(Entrant(name, _source(item, name, alone), limit))
+        if isinstance(item, Entrant):
+            name, seed, item = item.name, item.seed, item.source
+            item = item.given if isinstance(item, Held) else item
+        else:
+            name, seed = _distinct(item if isinstance(item, str) else name_of(item), made), 0
+        made.append(Entrant(name, _source(item, name, alone), seed, _known(item)))
     return made
 
 
@@ -86,7 +210,27 @@ def _distinct(name: str, made: Sequence[Entrant]) -> str:
     return found
 
 
+def _known(item: Any) -> str:
+    """Return the name of an entrant with the hash of the file that it comes from."""
+    if isinstance(item, bytes):
+        return content_hash(item)[:16]
+    folder = Path(item.rpartition("@")[2] or item) if isinstance(item, str) else None
+    if folder is not None and (folder / MANIFEST).is_file():
+        return f"{item} {content_hash((folder / MANIFEST).read_bytes())[:16]}"
+    if isinstance(item, str):
+        found(item)  # imported, so that its file is known
+        return source_of(item)
+    home = item if inspect.isroutine(item) or isinstance(item, type) else type(item)
+    try:
+        code = inspect.getsource(home)
+    except (OSError, TypeError):
+        code = ""
+    return f"{source_of(item)} {content_hash(code)[:16]}"
+
+
 def _source(item: Any, name: str, alone: bool) -> str | bytes | Held:
+    if isinstance(item, bytes):
+        return item
     if isinstance(item, str):
         return absolute(item)
     if alone:
@@ -108,38 +252,72 @@ def _stays(name: str, why: str) -> str:
     )
 
 
-Rows = list[dict[str, Any]]
-
-
-def is_alone(calls: int, workers: int | None, cluster: str | None) -> bool:
-    """Return whether this process does all calls itself."""
-    return cluster is None and min(workers or cores(), calls) <= 1
-
-
-def rows_of(
-    calls: Sequence[Callable[[], Rows]],
-    workers: int | None,
-    cluster: str | None,
-    progress: Callable[[int], object],
-) -> Rows:
-    """Rows of all calls, in their order.
+def get_method(given: Any, name: str = "", limit: float | None = LIMIT) -> Method:
+    """Return what answers, by name, by reference, or from an object.
 
     Parameters
     ----------
-    calls : sequence of callable
-        Each makes a row for each of some situations; whoever does it gets it pickled.
-    workers, cluster
-        See `processes.crew_of`.
-    progress : callable
-        Told how many rows are new.
+    given : str or object
+        A planner (``search``); a planner with a memory in a folder (``recall@DIR``); an actor by
+        the name of its model or by its folder (``clone``), which acts unverified; an actor whose
+        path is tried out N times and verified before it moves (``clone@20``); or anything else of
+        `planners.get_planner`.
+    name : str, optional
+        By default what was given, or the object's name.
+    limit : float, optional
+        Time on the wall for each answer of a planner from outside [s].
+
+    Raises
+    ------
+    UnknownNameError
+        With the known names.
     """
-    rows: Rows = []
-    with crew_of(min(workers or cores(), len(calls)) or 1, cluster) as crew:
-        for new in crew.map(_called, calls):
-            rows += new
-            progress(len(new))
-    return rows
+    told = name or (given if isinstance(given, str) else name_of(given))
+    if isinstance(given, str):
+        if given in all_actor_names():
+            return ActorMethod(told, shipped_actor(given))
+        planner, _, folder = given.partition("@")
+        if is_registered(planner) and (Path(folder) / MANIFEST).is_file():
+            return PlannerMethod(told, with_memory(planner, Memory.load(folder)))
+        if is_actor(Path(given)):
+            return ActorMethod(told, Actor.load(Path(given)))
+    made = _made(given, told)
+    if isinstance(made, Acting):
+        return ActorMethod(told, made)
+    try:
+        return PlannerMethod(told, get_planner(made, name=told, limit=limit))
+    except UnknownNameError as error:
+        if not error.known:
+            raise
+        known = [*error.known, *all_actor_names()]
+        raise UnknownNameError.among("entrant", given, known) from error
 
 
-def _called(call: Callable[[], Rows]) -> Rows:
-    return call()
+def _made(given: Any, told: str) -> Any:
+    """Return a policy, a planner from outside, or the name of a registered planner."""
+    made = given
+    if isinstance(given, str):
+        made = None if is_registered(given) else found(given)
+        if made is None:
+            return given
+    made = instance(made, told)
+    if isinstance(made, Path) or (acts(made) and not isinstance(made, Acting)):
+        return own_policy(made, told)
+    return made
+
+
+def summary(entrant: Entrant) -> str:
+    """Describe an entrant in one line, by its `summary` or the first line of its docstring."""
+    source = entrant.source.given if isinstance(entrant.source, Held) else entrant.source
+    if not isinstance(source, str):
+        words = getattr(source, "summary", "") or inspect.getdoc(source) or ""
+        return str(words).strip().partition("\n")[0]
+    bare, _, tries = source.partition("@")
+    words = summary_of(bare)
+    if not words and bare in all_actor_names():
+        words = f"network that acts step by step ({actor_folder(bare).name})"
+    if tries.isdigit():
+        words += f"; tried out {tries} times and verified before the arm moves"
+    elif tries:
+        words += f"; with the memory in {tries}"
+    return words or f"of {Path(source).name}"

@@ -1,42 +1,161 @@
 """Suites: situations that all are compared on, frozen by hash.
 
-A suite is the specification of a dataset, or a stratum of what families draw in turns (`turns`),
-drawn on demand; the oracle decides the strata. Drawn suites are kept as files of lines beside the
-others, so each is drawn once; small ones come with the repository. The first situations of a suite,
-as many as were frozen, must have the hash that is noted here. So two comparisons of one suite have
-seen the same.
+Suites that ship are files in `data/benchmark`, each frozen as a whole. Drawn suites are made on
+demand, from the specification of a dataset or by `turns`, and are kept as lines; of these the first
+situations, as many as were frozen, must have the hash that is noted here.
 """
 
 from __future__ import annotations
 
+import gzip
 import json
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
-from pathlib import Path
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 from gcm_learn import artifacts
-from gcm_learn.errors import FileFormatError, SuiteError, UnknownNameError
+from gcm_learn.errors import SuiteError
 from gcm_learn.evaluation import turns
 from gcm_learn.families import family_names
 from gcm_learn.processes import crew_of
-from gcm_learn.situation import situation_from_json, situation_to_json
+from gcm_learn.situation import situation_to_json
 from gcm_learn.storage import content_hash, write_whole
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from gcm_learn.dataset import DatasetSpec, Record
 
-LARGEST = 1000  # situations of a suite
+LARGEST = 1000  # situations of a drawn suite
 SHARD = 25
 FOLDER = "suites"
+
+
+@dataclass(frozen=True)
+class Suite:
+    """A frozen file of situations that ships."""
+
+    name: str
+    version: int
+    sha256: str
+    """Of the file, unpacked."""
+    count: int
+    """Situations, without the warm-up."""
+    card: str
+    """Origin, use, and what is known of it."""
+    licence: str = "MIT"
+
+    @property
+    def file(self) -> str:
+        """Path of the file among the data."""
+        return f"benchmark/{self.name}-{self.version}.jsonl.gz"
+
+    def content(self) -> bytes:
+        """Return the lines of the file.
+
+        Raises
+        ------
+        SuiteError
+            If the file is missing, or has another hash.
+        """
+        found = artifacts.find("data", self.file)
+        if found is None:
+            raise SuiteError(artifacts.missing("data", f"suite {self.file!r}"))
+        content = gzip.decompress(found.read_bytes())
+        digest = content_hash(content)
+        if digest != self.sha256:
+            raise SuiteError(
+                f"suite {self.name!r}: version {self.version} has hash {digest[:16]}, "
+                f"and was frozen as {self.sha256[:16]}"
+            )
+        return content
+
+
+_UNKNOWN = (
+    "No stratum is known: some situations have no catch, and shares are of all of them. "
+    "Starts that touch are left out."
+)
+_SEVERAL = (
+    "A situation counts as caught if one of them is; the targets that are caught are counted "
+    "beside it. " + _UNKNOWN
+)
+_PANDA = "a Panda of seven joints; six families in turns, seed 30117. " + _UNKNOWN
+_TABLE = (
+    Suite(
+        "plane", 1,
+        "fbbf56ab2642401a5bf039b4f2dfc23bc3b6c75d7345e5eb38b720164a21da13",
+        100,
+        "The first 25 of each of the frozen suites L, W, Q and U (seed "
+        "9108, all planar families in turns). L: a straight line catches; W: a way round; Q: "
+        "waiting; U: the oracle rules all catches out; open: the oracle cannot tell.",
+    ),
+    Suite(
+        "plane-held-out", 1,
+        "95c22934ead6ee28a93dc58871f986195172e876f87d46e25d865a3aa5a4d1a0",
+        75,
+        "The first 25 of each of the suites `pendulum`, `long-arm` and `faster`: a family, arms "
+        "and speeds that the shipped models never met in training. Strata as in `plane`.",
+    ),
+    Suite(
+        "space", 1,
+        "b7b46795d288620f3aad8e7a3715f2e8060859275a45ed72638c472e1c9b0611",
+        50,
+        "The suite `space-demo` (seed 9111): arms of four joints, all "
+        "families in space. Strata are what `straight` and `search` of this package say, and "
+        "open means that neither catches. So shares are of all situations.",
+    ),
+    Suite(
+        "space-accelerated", 1,
+        "b987ddd2b8a2900d9a14339198f318bc2f32c1beb25274e97b3b6c796cd7e61f",
+        60,
+        "Families and arms of `data/specs/space-accelerated.toml` in turns, seed 30117: joints "
+        "need 30 to 150 ms to come to full speed, and most move at the start. " + _UNKNOWN,
+    ),
+    Suite(
+        "space-sequences", 1,
+        "c6a56e134131b54e2b3b6a0c93567e55ab46660d93739101af1b533a102420ed",
+        60,
+        "The family `sequence-space`, seed 30117: three to five balls fly by arms of four joints "
+        "under limits of acceleration, and most of them are to be caught. " + _SEVERAL,
+    ),
+    Suite(
+        "panda-easy", 1,
+        "62acb3e281ecb3e458bad4f1ebc2b0cf6f3c36517bee1e47fffc1996b4007e11",
+        60,
+        "The preset `panda-easy`: few bodies, " + _PANDA,
+    ),
+    Suite(
+        "panda-crowded", 1,
+        "d6ec76e0609c3dcaf32c0ec4123ab47413db50367f25ba1744a8134d0e78132f",
+        60,
+        "The preset `panda-crowded`: many bodies and prescribed approaches, " + _PANDA,
+    ),
+    Suite(
+        "panda-crowded-accelerated", 1,
+        "60eda44eda9c0ca42dc4211a4fa99421ee395e27c5c22a34c8385e7a51d4f3ca",
+        60,
+        "The preset `panda-crowded-accelerated`: as `panda-crowded`, and joints have limits of "
+        "acceleration; " + _PANDA,
+    ),
+    Suite(
+        "panda-sequences", 1,
+        "e7dc0347bd281dc26297c5a2e48206076375add5199b0c70c3d8756f00d21547",
+        60,
+        "The preset `panda-sequences`, seed 30117: three to five balls drift by a Panda of seven "
+        "joints under limits of acceleration, and most of them are to be caught. " + _SEVERAL,
+    ),
+)  # fmt: skip
+SHIPPED: dict[str, Suite] = {suite.name: suite for suite in _TABLE}
+OUTSIDE: dict[str, str] = {
+    name: f"gcm-learn convert {name} SOURCE --out {name}.jsonl"
+    for name in ("motionbenchmaker", "si-rrt", "table-tennis")
+}
+"""Suites of others, whose files are not ours to ship, and the commands that make them."""
+
 FASTER = {"speed": [1.2, 2.4]}  # of bodies that are drawn anywhere [hand speeds]
 LONG_ARM = {"arm": {"upper_arm": [1.3, 1.5]}}
-_ALL: Mapping[str, Mapping[str, Any]] = {name: {} for name in turns.FAMILIES}
-_SPACE: Mapping[str, Mapping[str, Any]] = {name: {} for name in family_names("spatial")}
-_CHAINS: Mapping[str, Mapping[str, Any]] = {name: {} for name in family_names("chain")}
-_ANYWHERE: Mapping[str, Mapping[str, Any]] = {"random-planar": {}}
-
+_EACH = {"L": 1.0, "W": 1.0, "Q": 1.0, "U": 1.0}
 FROZEN: Mapping[str, Mapping[int, str]] = {
     "demo": {50: "4b1d538bf1653227"},
     "natural": {50: "2de41ea9eaf316fd", 300: "be1df849b66b2fd6"},
@@ -44,35 +163,16 @@ FROZEN: Mapping[str, Mapping[int, str]] = {
     "W": {50: "dc8f70954adff697", 300: "4ebc8c176236a29d", 1000: "43c6d9b088eb97d1"},
     "Q": {50: "ef81cd324814245e", 300: "499288c6b95524d9", 1000: "2e7b70fe03a83b11"},
     "U": {50: "987b0b57da941658", 300: "daceb4b193f594a7", 1000: "fedfd90da77a052a"},
-    "families": {50: "97eb134a834594e9"},
     "faster": {50: "c6d42d41c7c3628f"},
     "long-arm": {50: "096d2277fc353126"},
-    "static-clutter": {50: "bada7e7b1a81ba3d"},
-    "static-clutter-solid": {50: "2bd1fd0fe973534f"},
-    "moving-point": {50: "f36282d3c111fdda"},
-    "moving-point-solid": {50: "b4fe1f551962771b"},
-    "crossing-swarm": {50: "b771c4395433740e"},
-    "crossing-swarm-solid": {50: "3a9ef8e2ba79167b"},
-    "falling": {50: "277a4178cfd831fc"},
-    "falling-solid": {50: "b85cb40e3fa029a8"},
-    "spinning": {50: "48c8c194fe292060"},
-    "spinning-solid": {50: "8d129276a4a3796b"},
-    "pendulum": {50: "728f8ed8ace9ab4c"},
-    "gate": {50: "2ca9521ace2d2ae0"},
-    "gate-solid": {50: "d6350d0b892f3806"},
-    "behind-mover": {50: "106ce373fc2f1055"},
-    "behind-mover-solid": {50: "996bd78e5b18f85d"},
-    "late-target": {50: "97df00a4b96dd2b8"},
-    "late-target-solid": {50: "2aa501d480890729"},
-    "random-planar": {50: "ab2a807df48a155e"},
-    "random-solid": {50: "299ac5e405808408"},
+    "held-out": {50: "728f8ed8ace9ab4c"},
 }
-"""Hashes of the first situations of a suite, by how many; a draw has to have all that fit."""
+"""Hashes of the first situations of a drawn suite, by how many; a draw has to have all that fit."""
 
 
 @dataclass(frozen=True)
-class Suite:
-    """Situations for a comparison."""
+class Draw:
+    """Specification of a drawn suite."""
 
     summary: str
     seed: int
@@ -80,102 +180,73 @@ class Suite:
     """By name, with the ranges that differ from their own; drawn equally often."""
     strata: Mapping[str, float] | None = None
     label: Literal["oracle", "fast"] = "oracle"
-    """Judge of the strata: for other arms than planar ones `straight` and `search`, since a
-    yardstick takes seconds. These get better, so such suites are drawn anew and not frozen."""
+    """Judge of the strata: for spatial arms `straight` and `search`, since a yardstick takes
+    seconds. These get better, so such suites are not frozen."""
+    called: str = ""
+    """Name in its file, where that differs from the suite's."""
 
     def spec(self, name: str, count: int) -> DatasetSpec:
-        """The dataset that holds the first `count` of them."""
+        """Return the dataset that holds the first `count` of them."""
         from gcm_learn.dataset import DatasetSpec, FamilyShare  # needs pyarrow
 
         families = tuple(FamilyShare(f, 1.0, config) for f, config in self.families.items())
+        planners = ("straight",) if self.label == "oracle" else ("straight", "search")
         return DatasetSpec(
-            name=name, seed=self.seed, count=count, families=families, planners=self._planners,
-            map="none", label=self.label, strata=self.strata, shard_size=SHARD,
+            name=self.called or name, seed=self.seed, count=count, families=families,
+            planners=planners, map="none", label=self.label, strata=self.strata, shard_size=SHARD,
         )  # fmt: skip
 
-    @property
-    def _planners(self) -> tuple[str, ...]:
-        return ("straight",) if self.label == "oracle" else ("straight", "search")
 
-
-SUITES: dict[str, Suite] = {
-    "natural": Suite("bodies anywhere, as drawn", 9101, _ANYWHERE),
-    "families": Suite("all families, as drawn", 9104, _ALL),
-    "faster": Suite("bodies anywhere, twice as fast", 9105, {"random-planar": FASTER}),
-    "long-arm": Suite(
+DRAWN: dict[str, Draw] = {
+    "natural": Draw("bodies anywhere, as drawn", 9101, {"random-planar": {}}),
+    "faster": Draw("bodies anywhere, twice as fast", 9105, {"random-planar": FASTER}),
+    "long-arm": Draw(
         "an upper arm longer than any in training",
         9106,
         dict.fromkeys(("random-planar", "crossing-swarm", "gate"), LONG_ARM),
     ),
-    "demo": Suite(
-        "equal parts of all strata and families",
-        9107,
-        _ALL,
-        {"L": 1.0, "W": 1.0, "Q": 1.0, "U": 1.0},
+    "demo": Draw(
+        "equal parts of all strata and families", 9107, {f: {} for f in turns.FAMILIES}, _EACH
     ),
-    "space": Suite("all families of spatial arms, as drawn", 9110, _SPACE, label="fast"),
-    "space-demo": Suite(
+    "space-demo": Draw(
         "equal parts of all strata, spatial arms",
         9111,
-        _SPACE,
-        {"L": 1.0, "W": 1.0, "Q": 1.0, "U": 1.0},
+        {f: {} for f in family_names("spatial")},
+        _EACH,
         label="fast",
     ),
-    "chains": Suite("all families of chains, as drawn", 9112, _CHAINS, label="fast"),
-} | {name: Suite(f"the family {name}", 9200, {name: {}}) for name in turns.FAMILIES}
-SUITES |= {
-    name: Suite(f"the family {name}", 9200, {name: {}}, label="fast")
-    for name in (*_SPACE, "sequence-space")
+    "held-out": Draw(
+        "pendulums, which no shipped model met in training",
+        9200,
+        {"pendulum": {}},
+        called="pendulum",
+    ),
 }
-SUITES |= {
-    name: Suite(f"the family {name}", 9200, {name: {}}, label="fast")
-    for name in (*_CHAINS, "sequence-chain")
-}
+Line = dict[str, Any]
+"""A line of a drawn suite's file: suite, index, family, stratum, earliest and situation."""
 
 
-@dataclass(frozen=True)
-class Entry:
-    """A situation of a suite."""
-
-    suite: str
-    index: int
-    situation: Any
-    """In its canonical form."""
-    family: str
-    stratum: str
-    """By the oracle; of other arms than planar ones by two planners, see `Suite.label`."""
-    earliest: float
-    """Catch time of the oracle's plan, or of the first of these [s]; infinite without a catch."""
-
-
-def suite_names() -> list[str]:
-    """Names of the suites."""
-    return [*SUITES, *turns.STRATA]
+def drawn_names() -> list[str]:
+    """Return the names of the drawn suites."""
+    return [*DRAWN, *turns.STRATA]
 
 
 def suite_file(name: str) -> Path | None:
-    """Return the file of a suite that is drawn or shipped, or None."""
+    """Return the file of a drawn suite that is there already, or None."""
     return artifacts.find("data", f"{FOLDER}/{name}.jsonl")
-
-
-def check_suite(name: str, count: int) -> None:
-    """Refuse what is no suite, or more situations than it can have."""
-    if name not in suite_names():
-        raise UnknownNameError.among("suite", name, suite_names())
-    if not 1 <= count <= LARGEST:
-        raise SuiteError(f"count: must be from 1 to {LARGEST} (got {count})")
 
 
 def draw_suite(
     name: str,
     count: int,
     folder: Path | None = None,
-    workers: int | None = None,
+    workers: int | None = 1,
     *,
+    seed: int | None = None,
     cluster: str | None = None,
-    progress: Callable[[int], None] = lambda records: None,
-) -> list[Entry]:
-    """The first situations of a suite; what is not in the folder yet is drawn.
+    progress: Callable[[int], None] = lambda new: None,
+) -> list[Line]:
+    """Return the first situations of a drawn suite; what is not in the folder yet is drawn.
 
     Parameters
     ----------
@@ -185,35 +256,53 @@ def draw_suite(
     folder : Path, optional
         Where suites are kept; by default they are found as `artifacts` says.
     workers, cluster
-        Who draws, see `processes.crew_of`.
+        See `processes.crew_of`.
+    seed : int, optional
+        Of L, W, Q or U, which are drawn anew then and not frozen.
+    progress : callable
+        Called with the number of new situations.
 
     Raises
     ------
     SuiteError
         If what is there, or drawn, is not what was frozen.
     """
-    check_suite(name, count)
+    if not 1 <= count <= LARGEST:
+        raise SuiteError(f"count: must be from 1 to {LARGEST} (got {count})")
     kept = artifacts.kept("data") / FOLDER if folder is None else folder
+    if seed is not None and name in turns.STRATA:
+        with crew_of(workers, cluster) as crew:
+            return turns.first_of(name, count, kept / f"{seed}", crew, seed, progress)
     path = kept / f"{name}.jsonl"
     found = (suite_file(name) if folder is None else path) or path
-    entries = _read(found) if found.exists() else []
-    missing = len(entries) < count
+    lines: list[Line] = []
+    if found.exists():
+        lines = [json.loads(line) for line in found.read_text("utf-8").splitlines()]
+    missing = len(lines) < count
     if missing:
-        entries = _drawn(name, count, kept, workers, cluster, progress)
-    check_frozen(name, entries)
+        lines = _drawn(name, count, kept, workers, cluster, progress)
+    check_frozen(name, lines)
     if missing:
         kept.mkdir(parents=True, exist_ok=True)
-        write_whole(path, "".join(_line(entry) + "\n" for entry in entries))
-    return entries[:count]
+        write_whole(path, "".join(json.dumps(line) + "\n" for line in lines))
+    return lines[:count]
 
 
-def check_frozen(name: str, entries: Sequence[Entry]) -> None:
-    """Refuse entries whose first ones are not those that were frozen, as many as fit."""
+def check_frozen(name: str, lines: Sequence[Line]) -> None:
+    """Raise SuiteError unless the lines begin with the frozen ones."""
     for count, wanted in sorted(FROZEN.get(name, {}).items()):
-        if count <= len(entries) and (digest := hash_of(entries[:count])) != wanted:
+        if count <= len(lines) and (digest := hash_of(lines[:count])) != wanted:
             raise SuiteError(
                 f"suite {name!r}: its first {count} have hash {digest}, and were frozen as {wanted}"
             )
+
+
+def hash_of(lines: Sequence[Line]) -> str:
+    """Return the hash of situations and strata, in order.
+
+    When the oracle catches is no part of it: that changes by a hair whenever it gets better.
+    """
+    return content_hash(*(f"{json.dumps(line | {'earliest': None})}\n" for line in lines))[:16]
 
 
 def _drawn(
@@ -223,70 +312,32 @@ def _drawn(
     workers: int | None,
     cluster: str | None,
     progress: Callable[[int], None],
-) -> list[Entry]:
+) -> list[Line]:
     """Draw a suite as a dataset, or from draws in turn; both go on where they were interrupted."""
     if name in turns.STRATA:
         with crew_of(workers, cluster) as crew:
-            found = turns.first_of(name, count, folder, crew, progress)
-        return [_entry({"suite": name, **values}) for values in found]
+            lines = turns.first_of(name, count, folder, crew, progress=progress)
+        return [{"suite": name} | line for line in lines]
     from gcm_learn import dataset  # needs pyarrow
 
-    spec = SUITES[name].spec(name, -(-count // SHARD) * SHARD)
+    spec = DRAWN[name].spec(name, -(-count // SHARD) * SHARD)
     dataset.generate(spec, folder / name, workers, cluster=cluster, progress=progress)
     records = dataset.open(folder / name)
-    entries = []
-    for k in range(len(records)):
-        record = records[k]
-        earliest = _earliest(record)
-        entries.append(
-            Entry(name, record.index, record.situation, record.family, record.stratum, earliest)
-        )
-    return entries
+    return [_line(DRAWN[name].called or name, records[k]) for k in range(len(records))]
 
 
-def _earliest(record: Record) -> float:
-    """Catch time of the oracle, or of the first of the plans if it was not run [s]."""
+def _line(name: str, record: Record) -> Line:
+    """Return the line of a record."""
     if record.oracle is not None:
-        return record.oracle.upper
-    times = (plan.catch_time for plan in record.plans.values())
-    return min((t for t in times if t is not None), default=math.inf)
-
-
-def _line(entry: Entry) -> str:
-    """An entry as a line of JSON; a catch that there is not is null."""
-    values = {
-        "suite": entry.suite,
-        "index": entry.index,
-        "family": entry.family,
-        "stratum": entry.stratum,
-        "earliest": entry.earliest if math.isfinite(entry.earliest) else None,
-        "situation": situation_to_json(entry.situation),
+        earliest = record.oracle.upper
+    else:
+        times = (plan.catch_time for plan in record.plans.values())
+        earliest = min((t for t in times if t is not None), default=math.inf)
+    return {
+        "suite": name,
+        "index": record.index,
+        "family": record.family,
+        "stratum": record.stratum,
+        "earliest": earliest if math.isfinite(earliest) else None,
+        "situation": situation_to_json(record.situation),
     }
-    return json.dumps(values)
-
-
-def _read(path: Path) -> list[Entry]:
-    """Entries of a file."""
-    entries = []
-    for number, line in enumerate(path.read_text("utf-8").splitlines(), 1):
-        try:
-            entries.append(_entry(json.loads(line)))
-        except (ValueError, KeyError, TypeError) as error:
-            raise FileFormatError(f"{path}:{number}: is no entry of a suite ({error})") from None
-    return entries
-
-
-def _entry(values: dict[str, Any]) -> Entry:
-    """An entry of its JSON values."""
-    situation = situation_from_json(values["situation"])
-    earliest = math.inf if values["earliest"] is None else values["earliest"]
-    return Entry(**(values | {"situation": situation, "earliest": earliest}))
-
-
-def hash_of(entries: Sequence[Entry]) -> str:
-    """Hash of situations and strata, in order.
-
-    When the oracle catches is no part of it: that changes by a hair whenever it gets better.
-    """
-    lines = (f"{_line(replace(entry, earliest=math.inf))}\n" for entry in entries)
-    return content_hash(*lines)[:16]

@@ -16,7 +16,6 @@ from pathlib import Path
 from typing import Any
 
 from gcm_learn import families
-from gcm_learn.planners import Problem, StraightPlanner, bounds, marching, stratum
 from gcm_learn.processes import Crew
 from gcm_learn.situation import canonical, planar, situation_to_json
 from gcm_learn.storage import write_whole
@@ -42,10 +41,12 @@ FAMILIES = (
 Draw = dict[str, Any]
 
 
-def drawn(number: int) -> Draw | None:
+def drawn(number: int, seed: int = SEED) -> Draw | None:
     """A draw by its number as JSON values; None if it is passed over, or begins with a touch."""
+    from gcm_learn.planners import Problem, StraightPlanner, bounds, marching, stratum
+
     family = FAMILIES[number % len(FAMILIES)]
-    situation, _ = canonical(planar(families.draw(family, SEED, number), "a frozen suite"))
+    situation, _ = canonical(planar(families.draw(family, seed, number), "a frozen suite"))
     answer = Problem(situation, "oracle").early_answer()
     if answer is not None and answer.status == "start_blocked":
         return None
@@ -67,6 +68,7 @@ def first_of(
     count: int,
     folder: Path,
     crew: Crew,
+    seed: int = SEED,
     progress: Callable[[int], object] = lambda found: None,
 ) -> list[Draw]:
     """The first draws of a stratum; classified draws are kept in a folder.
@@ -79,12 +81,12 @@ def first_of(
     folder : Path
         Of suites.
     crew : Crew
-        Who draws.
+    seed : int
     progress : callable
         Told how many more were found.
     """
     found: list[Draw] = []
-    for lines in _chunks(folder / FOLDER, crew):
+    for lines in _chunks(folder / FOLDER, crew, seed):
         here = [d for d in map(json.loads, lines) if d is not None and d["stratum"] == wanted]
         found += here
         progress(len(here))
@@ -93,12 +95,12 @@ def first_of(
     return found[:count]
 
 
-def _chunks(folder: Path, crew: Crew) -> Iterator[list[str]]:
+def _chunks(folder: Path, crew: Crew, seed: int) -> Iterator[list[str]]:
     """The lines of one file after the other; those that are not there are drawn and kept."""
     folder.mkdir(parents=True, exist_ok=True)
     firsts = range(0, MOST, CHUNK)
     missing = [first for first in firsts if not _file(folder, first).exists()]
-    drawing = crew.results(_drawn, missing)
+    drawing = crew.results(_drawn, [(first, seed) for first in missing])
     for first in firsts:
         while not _file(folder, first).exists():
             number, lines = next(drawing)
@@ -110,6 +112,7 @@ def _file(folder: Path, first: int) -> Path:
     return folder / f"draws_{first:07d}.jsonl"
 
 
-def _drawn(first: int) -> list[str]:
-    """The lines of CHUNK situations."""
-    return [json.dumps(drawn(number)) for number in range(first, first + CHUNK)]
+def _drawn(part: tuple[int, int]) -> list[str]:
+    """The lines of CHUNK situations from a number on, under a seed."""
+    first, seed = part
+    return [json.dumps(drawn(number, seed)) for number in range(first, first + CHUNK)]

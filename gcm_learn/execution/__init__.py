@@ -24,6 +24,7 @@ from gcm_learn.execution.arena.settings import (
     encoder,
     settings_of,
 )
+from gcm_learn.execution.arena.wanted import without
 from gcm_learn.execution.arenas import (
     ARENAS,
     AnyBody,
@@ -156,4 +157,5 @@ __all__ = [
     "situations_of",
     "way_of",
     "with_motor_limits",
+    "without",
 ]

@@ -24,6 +24,7 @@ from gcm_learn.motion.timing import (
     spread,
     straight_path,
 )
+from gcm_learn.motion.touching import collided_part, collision_point
 from gcm_learn.motion.verification import HOLE_MARGIN, PARTS, Verdict, joint_turns, verify
 
 __all__ = [
@@ -42,6 +43,8 @@ __all__ = [
     "as_obstacles",
     "braked",
     "clearance",
+    "collided_part",
+    "collision_point",
     "fastest_hand",
     "first_catch",
     "first_interception",

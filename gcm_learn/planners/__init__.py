@@ -51,12 +51,14 @@ if TYPE_CHECKING:
         source_of,
     )
     from gcm_learn.planners.registry import (
+        all_planner_names,
         as_ours,
         get_planner,
         is_registered,
         plan_with,
         planner_names,
         solve,
+        summary_of,
     )
     from gcm_learn.planners.tube import InTube, Tube
 
@@ -85,7 +87,9 @@ __getattr__ = late_names(__name__, {
         "absolute", "acts", "found", "in_words", "instance", "name_of", "source_of",
     ),
     "registry": (
+        "all_planner_names",
         "as_ours", "get_planner", "is_registered", "plan_with", "planner_names", "solve",
+        "summary_of",
     ),
     "tube": ("InTube", "Tube"),
 })  # fmt: skip
@@ -117,6 +121,7 @@ __all__ = [
     "Yardstick",
     "absolute",
     "acts",
+    "all_planner_names",
     "any_straight",
     "as_ours",
     "at_once",
@@ -146,6 +151,7 @@ __all__ = [
     "straight_plan",
     "study_of",
     "stratum",
+    "summary_of",
     "keeps_limits",
     "taken",
     "takes",

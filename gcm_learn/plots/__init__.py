@@ -5,11 +5,11 @@ Figures do without matplotlib's global state, so they need no display and may be
 
 from __future__ import annotations
 
+from gcm_learn.plots.figures import sheet as sheet_figures
 from gcm_learn.plots.figures import style
 from gcm_learn.plots.figures.arms import draw_arm
-from gcm_learn.plots.figures.charged import charged_figure
-from gcm_learn.plots.figures.comparison import families_figure, rates_figure
 from gcm_learn.plots.figures.execution import animate_execution
+from gcm_learn.plots.figures.failures import Failure, failure_figure
 from gcm_learn.plots.figures.film import animate
 from gcm_learn.plots.figures.kinds import DRAWN
 from gcm_learn.plots.figures.maps import birth, plot_map, plot_plan
@@ -22,28 +22,20 @@ from gcm_learn.plots.figures.workspace import (
     draw_waits,
     draw_workspace,
 )
-from gcm_learn.plots.reports.comparison import (
-    RECALLING,
-    build_comparison,
-    shipped_methods,
-    write_report,
-)
+from gcm_learn.plots.reports import page as pages
 from gcm_learn.plots.reports.dataset import write_dataset_page
 from gcm_learn.plots.reports.demo import build_demo
 from gcm_learn.plots.reports.film_page import write_film_page
-from gcm_learn.plots.reports.leaderboard import write_leaderboard
 from gcm_learn.plots.reports.memory import write_memory_page
 
 __all__ = [
     "DRAWN",
     "FIGURES",
-    "RECALLING",
+    "Failure",
     "animate",
     "animate_execution",
     "birth",
-    "build_comparison",
     "build_demo",
-    "charged_figure",
     "draw_arm",
     "draw_bodies",
     "draw_courses",
@@ -51,16 +43,14 @@ __all__ = [
     "draw_targets",
     "draw_waits",
     "draw_workspace",
-    "families_figure",
+    "failure_figure",
+    "pages",
     "plan_figure",
     "plot_map",
     "plot_plan",
-    "rates_figure",
-    "shipped_methods",
+    "sheet_figures",
     "style",
     "write_dataset_page",
     "write_film_page",
-    "write_leaderboard",
     "write_memory_page",
-    "write_report",
 ]

@@ -14,9 +14,11 @@ from gcm_learn.policies.outside import OwnPolicy, own_policy
 from gcm_learn.policies.plan import TrainingPlan, plan_of, read_plan
 from gcm_learn.policies.planner import (
     ActorPlanner,
+    acted,
     actor_folder,
     actor_names,
     all_actor_names,
+    is_actor,
     shipped_actor,
     tried_out,
 )
@@ -34,9 +36,11 @@ __all__ = [
     "FILE",
     "OwnPolicy",
     "TrainingPlan",
+    "acted",
     "actor_folder",
     "actor_names",
     "export_minari",
+    "is_actor",
     "all_actor_names",
     "own_policy",
     "plan_of",

@@ -13,7 +13,7 @@ import numpy as np
 from gcm_learn import artifacts, seeding
 from gcm_learn.arms import PLANAR, Arm, ByKind, Kind
 from gcm_learn.errors import PolicyError, UnknownNameError
-from gcm_learn.execution import ARENAS, CAUGHT, Pool, pool_for, way_of
+from gcm_learn.execution import ARENAS, CAUGHT, OUTCOMES, Pool, pool_for, way_of
 from gcm_learn.motion import Failure, Movement, refine
 from gcm_learn.planners import Attempt, Problem, SpatialProblem, checked
 from gcm_learn.policies.actor import FILES, Acting, Actor
@@ -48,6 +48,21 @@ def shipped_actor(name: str) -> Actor:
 def all_actor_names() -> list[str]:
     """Return the names of all trained actors."""
     return [name for kind in _FILES for name in actor_names(kind)]
+
+
+def is_actor(folder: Path) -> bool:
+    """Return whether a folder holds a trained actor."""
+    return any((folder / file).is_file() for file in _FILES.entries())
+
+
+def acted(actor: Acting, situation: AnySituation) -> tuple[str, Movement, int]:
+    """Play an episode; return its outcome, the movement, and the number of steps."""
+    table = ByKind({actor.kind: actor.settings}, who="the policy")
+    pool = pool_for(table.of(situation), [situation])
+    episodes = actor.play(pool, np.zeros(1, np.int64))
+    time, posture = episodes.path(0)
+    way = _KINDS.of(actor.kind).way(situation.arm, time, pool.frames[0].original(posture))
+    return OUTCOMES[int(episodes.outcomes[0])], way, int(episodes.steps[0])
 
 
 def tried_out(name: str) -> ActorPlanner | None:

@@ -11,8 +11,7 @@ import pytest
 from gcm_learn import solve
 from gcm_learn.arms import Base, hands_along, register_kind
 from gcm_learn.arms.limbs import register_limb
-from gcm_learn.evaluation import compare
-from gcm_learn.evaluation.suites import Entry
+from gcm_learn.evaluation import ask
 from gcm_learn.motion import rules_of, verify
 from gcm_learn.planners import plan_to_json
 from gcm_learn.plots import animate, plan_figure
@@ -128,10 +127,8 @@ def test_it_is_written_and_read():
 
 
 def test_it_is_compared():
-    entries = [Entry("toy", 0, behind_a_post(), "toy", "toy", 1.0)]
-    results = compare(["search"], entries, charge=1, workers=1)
-    assert results["outcome"][0] == "caught" and results["length"][0] > 0.0
-    assert results["charged_50"][0] == "caught"
+    sheet = ask(["search"], behind_a_post())
+    assert sheet["outcome"][0] == "caught" and sheet["path"][0] > 0.0
 
 
 def test_it_is_drawn(tmp_path):

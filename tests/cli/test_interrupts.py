@@ -82,7 +82,7 @@ COMMANDS = {
     "solve": ("solve", "scenes.jsonl", "--out", "solutions.jsonl"),
     "generate": ("generate", ROOT / "data" / "specs" / "train.toml", "--out", "set"),
     "demo": ("demo", "--out", "demo"),
-    "evaluate": ("evaluate", "--policies", "layered,straight,gcm", "--out", "evaluation"),
+    "compare": ("compare", "layered,straight,gcm", "--on", "demo", "--out", "comparison"),
 }
 
 
@@ -119,7 +119,7 @@ def interrupted(command: str, moment: float, folder: Path) -> tuple[int, str]:
 @pytest.mark.parametrize(
     ("command", "moment"),
     [
-        ("solve", 0.2), ("solve", 2.5), ("generate", 2.0), ("demo", 1.6), ("evaluate", 2.0),
+        ("solve", 0.2), ("solve", 2.5), ("generate", 2.0), ("demo", 1.6), ("compare", 2.0),
     ],
 )  # fmt: skip
 def test_a_command_ends_in_one_line(command, moment, tmp_path):

@@ -8,8 +8,7 @@ from pathlib import Path
 import pytest
 
 from gcm_learn import seeding
-from gcm_learn.evaluation import draw_suite, suites, turns
-from gcm_learn.families import family_names
+from gcm_learn.evaluation import cases, suites, turns
 from gcm_learn.situation.canonical import canonical
 
 DATA = Path(__file__).parents[2] / "data"
@@ -17,23 +16,21 @@ DATA = Path(__file__).parents[2] / "data"
 
 def test_suites_have_seeds_of_their_own():
     trained = {tomllib.loads(path.read_text())["seed"] for path in DATA.rglob("*.toml")}
-    mixed = [suite.seed for name, suite in suites.SUITES.items() if name not in family_names()]
-    seeds = [turns.SEED, *mixed, *{suites.SUITES[name].seed for name in family_names()}]
+    seeds = [turns.SEED, *(draw.seed for draw in suites.DRAWN.values())]
     assert len(trained) == 8 and not trained & set(seeds)
-    assert len(seeds) == len(set(seeds)) == 10
+    assert len(seeds) == len(set(seeds)) == 7
 
 
-def test_draws_in_turn_depend_on_their_seed(monkeypatch):
-    first = turns.drawn(3)
-    monkeypatch.setattr(turns, "SEED", turns.SEED + 1)
-    assert turns.drawn(3)["situation"]["bodies"] != first["situation"]["bodies"]
+def test_draws_in_turn_depend_on_their_seed():
+    first, other = turns.drawn(3), turns.drawn(3, turns.SEED + 1)
+    assert other["situation"]["bodies"] != first["situation"]["bodies"]
 
 
 def test_the_suite_that_ships_was_drawn_under_its_seed():
     pytest.importorskip("pyarrow")
-    spec = suites.SUITES["demo"].spec("demo", 50)
-    for entry in draw_suite("demo", 50, DATA / "suites")[:4]:
-        assert entry.situation in draws(spec, entry.index)
+    spec = suites.DRAWN["demo"].spec("demo", 50)
+    for index, case in enumerate(cases("demo", count=50)[:4]):
+        assert case.situation in draws(spec, index)
 
 
 def draws(spec, index, most=300):

@@ -13,7 +13,7 @@ import pytest
 
 from gcm_learn import solve
 from gcm_learn.cli import main
-from gcm_learn.evaluation import Entry, compare
+from gcm_learn.evaluation import Condition, ask
 from gcm_learn.families import PAPER_SCENES, draw, thrown_scene
 from gcm_learn.motion import Movement
 from gcm_learn.planners import Plan, get_planner, plan_to_json
@@ -366,7 +366,6 @@ class Stubborn:
 def test_liars_cost_their_own_rows():
     """In a comparison a planner that fails, lies or hangs leaves the others alone."""
     situations = [draw("crossing-swarm", 12, k) for k in range(2)]
-    entries = [Entry("made", k, s, "made", "L", 0.1) for k, s in enumerate(situations)]
 
     def too_fast(situation):
         plan = get_planner("gcm").plan(situation)
@@ -377,14 +376,15 @@ def test_liars_cost_their_own_rows():
         return replace(plan, trajectory=way, catch_time=plan.catch_time / 1000.0)
 
     methods = ["gcm", too_fast, lambda situation: None, Stubborn()]
-    results = compare(methods, entries, charge=1, workers=1, limit=0.2)
-    outcomes = {name: results.of_method(name)["outcome"].tolist() for name in results.methods}
+    sheet = ask(methods, situations, [Condition(limit=0.2)])
+    names = sheet.each("entrant")
+    outcomes = {name: sheet.where(entrant=name)["outcome"].tolist() for name in names}
     assert list(outcomes) == ["gcm", "too_fast", "<lambda>", "Stubborn"]
     for own, other in zip(outcomes["gcm"], outcomes["too_fast"], strict=True):
         assert other == ("broken" if own == "caught" else own)
     assert "broken" in outcomes["too_fast"]
     assert set(outcomes["<lambda>"]) == set(outcomes["Stubborn"]) == {"error"}
-    assert "no answer within 0.2 s" in results.of_method("Stubborn")["reason"][0]
+    assert "no answer within 0.2 s" in sheet.where(entrant="Stubborn")["reason"][0]
 
 
 def test_ctrl_c_ends_a_run():

@@ -11,9 +11,10 @@ import pytest
 
 from gcm_learn import get_planner, solve
 from gcm_learn.errors import GcmError
-from gcm_learn.evaluation import Entry, compare, get_method
+from gcm_learn.evaluation import ask, get_method
 from gcm_learn.families import draw
 from gcm_learn.planners import Plan
+from gcm_learn.processes import crew_of
 
 SOURCE = """
 from gcm_learn import get_planner
@@ -41,7 +42,7 @@ class Inner:
         pass
 """
 SITUATION = draw("crossing-swarm", 12, 0)
-ENTRIES = [Entry("made", k, draw("crossing-swarm", 12, k), "made", "L", 0.1) for k in range(2)]
+CASES = [draw("crossing-swarm", 12, k) for k in range(2)]
 
 
 @pytest.fixture
@@ -104,26 +105,27 @@ def test_installed_packages_offer_methods(group, file, monkeypatch):
         "entry_points",
         lambda **asked: (entry,) if asked == {"group": group, "name": "offered"} else real(**asked),
     )
-    assert get_method("offered").run(SITUATION).outcome != "error"
+    assert get_method("offered").answer(SITUATION).outcome != "error"
     assert get_planner("offered").plan(SITUATION).status != "error"
 
 
 def test_columns_have_distinct_names(file):
     methods = ["straight", Planned(), Planned, f"{file}:Mine"]
-    results = compare(methods, ENTRIES, charge=0, workers=1)
-    assert results.methods == ["straight", "Planned", "Planned (2)", f"{file}:Mine"]
-    own, other = (results.of_method(n)["outcome"].tolist() for n in ("straight", f"{file}:Mine"))
+    sheet = ask(methods, CASES)
+    assert sheet.each("entrant") == ["straight", "Planned", "Planned (2)", f"{file}:Mine"]
+    own, other = (sheet.where(entrant=n)["outcome"].tolist() for n in ("straight", f"{file}:Mine"))
     assert own == other
 
 
 def test_methods_travel_to_other_processes(file, monkeypatch):
     monkeypatch.chdir(file.parent)
-    here = compare(["mine.py:Mine", Planned()], ENTRIES, charge=0, workers=1)
-    there = compare(["mine.py:Mine", Planned()], ENTRIES, charge=0, workers=2)
-    assert there.methods == here.methods == ["mine.py:Mine", "Planned"]
+    here = ask(["mine.py:Mine", Planned()], CASES)
+    with crew_of(2) as crew:
+        there = ask(["mine.py:Mine", Planned()], CASES, crew=crew)
+        with pytest.raises(GcmError, match=r"cannot be sent to worker processes.*path\.py:name"):
+            ask([lambda situation: None, "straight"], CASES, crew=crew)
+    assert there.each("entrant") == here.each("entrant") == ["mine.py:Mine", "Planned"]
     assert there["outcome"].tolist() == here["outcome"].tolist()
-    with pytest.raises(GcmError, match=r"cannot be sent to worker processes.*path\.py:name"):
-        compare([lambda situation: None, "straight"], ENTRIES, charge=0, workers=2)
 
 
 class Silent:
@@ -143,10 +145,9 @@ class Endless:
 
 @pytest.mark.parametrize("policy", [Silent, Wide, Endless])
 def test_policies_that_fail_cost_their_own_rows(policy):
-    results = compare([policy(), "straight"], ENTRIES, charge=0, workers=1)
-    mine = results.of_method(policy.__name__)
+    mine = ask([policy(), "straight"], CASES).where(entrant=policy.__name__)
     assert mine["outcome"].tolist() == ["error"] * 2
-    assert all("the policy fails" in reason for reason in mine["reason"])
+    assert all(mine["reason"])
     assert solve(SITUATION, policy()).status == "error"
 
 

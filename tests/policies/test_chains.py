@@ -5,10 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from gcm_learn.arms import CHAIN, kind_of
 from gcm_learn.errors import ArenaError
-from gcm_learn.evaluation import ActorMethod, compare, draw_suite, get_method
-from gcm_learn.evaluation.suites import Entry
+from gcm_learn.evaluation import ActorMethod, ask, get_method
 from gcm_learn.execution import ChainSettings
 from gcm_learn.policies import ActorPlanner
 from gcm_learn.policies.outside import own_policy
@@ -38,31 +36,21 @@ def test_a_policy_acts_and_its_catches_are_plans(situations):
     assert isinstance(method, ActorMethod)
     planner, caught = ActorPlanner(own_policy(Straight()), "straight-on", tries=1), 0
     for situation in situations:
-        result, plan = method.run(situation), planner.plan(situation)
+        result, plan = method.answer(situation), planner.plan(situation)
         assert (result.outcome == "caught") == plan.caught
         if plan.caught:
             caught += 1
-            assert plan.catch_time == pytest.approx(result.trajectory.duration)
-            np.testing.assert_array_equal(plan.trajectory.joints, result.trajectory.joints)
+            assert plan.catch_time == pytest.approx(result.plans[0].catch_time)
+            moves = result.plans[0].trajectory
+            np.testing.assert_array_equal(plan.trajectory.joints, moves.joints)
     assert caught > 3
 
 
 def test_policies_and_planners_are_compared(situations):
-    entries = [Entry("own", k, s, "panda", "W", np.inf) for k, s in enumerate(situations)]
-    results = compare([Straight(), "straight"], entries, charge=0, workers=1)
+    sheet = ask([Straight(), "straight"], situations)
     for name in ("Straight", "straight"):
-        outcomes = set(results.of_method(name)["outcome"])
+        outcomes = set(sheet.where(entrant=name)["outcome"])
         assert "caught" in outcomes and not outcomes & {"error", "broken"}
-
-
-@pytest.mark.slow
-def test_suites_of_chains_are_drawn(tmp_path):
-    """Strata are judged by planners that take chains; a policy answers every situation."""
-    entries = draw_suite("throw-chain", 4, tmp_path, 1)
-    assert len(entries) == 4 and {e.stratum for e in entries} <= set("LWQU")
-    assert {kind_of(e.situation) for e in entries} == {CHAIN}
-    results = compare([Straight(), "search"], entries, charge=0, workers=1)
-    assert not set(results.of_method("Straight")["outcome"]) & {"error", "broken"}
 
 
 def test_an_arm_of_another_size_is_refused_in_one_line(situations):

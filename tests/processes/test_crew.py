@@ -77,7 +77,7 @@ COMMANDS = {
     "generate": ["data/sample/spec.toml"],
     "memory make": ["data/sample"],
     "train encoder": ["data/sample"],
-    "evaluate": ["--policies", "straight", "--count", "2"],
+    "compare": ["straight", "--on", "gate", "--count", "2"],
 }
 
 

@@ -59,7 +59,7 @@ def test_nothing_asks_for_what_is_not_everywhere_while_it_is_imported():
     code = (
         "import os, signal, sys\nsys.modules['resource'] = None\n"
         + "".join(f"del {name}\n" for name in names)
-        + "import gcm_learn.cli.arguments, gcm_learn.dataset, gcm_learn.evaluation.contest\n"
+        + "import gcm_learn.cli.arguments, gcm_learn.dataset, gcm_learn.evaluation.asking\n"
         + "from gcm_learn.cli import demo\nfrom gcm_learn.evaluation import turns, entrants\n"
         + "from gcm_learn.dataset import generation, verifying, item\n"
         + "sys.exit(gcm_learn.cli.main(['draw', '--list']))"

@@ -14,7 +14,7 @@ pytest.importorskip("safetensors")
 from gcm_learn import dataset, get_planner
 from gcm_learn.cli import main
 from gcm_learn.dataset.item import quantities_of
-from gcm_learn.evaluation import draw_suite
+from gcm_learn.evaluation import cases
 from gcm_learn.recall import Memory, RawIndex
 from gcm_learn.recall.growth import remember
 from gcm_learn.recall.hand_features import clearance_features
@@ -140,5 +140,5 @@ def test_the_memory_that_ships_holds_nothing_that_is_held_out_or_compared_on():
         top = float(pack(entry.situation).bodies.rows[:, TOP_SPEED].max())
         quantities = quantities_of(entry.situation, top)
         assert not any(holdout.holds(entry.family, quantities) for holdout in holdouts)
-    bodies = {entry.situation.bodies for entry in draw_suite("demo", 50, DATA / "suites")}
+    bodies = {case.situation.bodies for case in cases("demo", count=50)}
     assert len(bodies) == 50 and not bodies & {s.bodies for s in memory.situations()}

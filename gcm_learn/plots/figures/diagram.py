@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from gcm_learn.evaluation import collision_point
+from gcm_learn.motion import collision_point
 from gcm_learn.plots.figures import style
 from gcm_learn.plots.figures.hand_space import (
     draw_hand,

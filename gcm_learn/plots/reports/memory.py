@@ -19,8 +19,8 @@ from PIL import Image
 from gcm_learn import seeding
 from gcm_learn.maps import CognitiveMap, build_map
 from gcm_learn.plots.figures import style
-from gcm_learn.plots.figures.comparison import NAMES
 from gcm_learn.plots.figures.maps import walls
+from gcm_learn.plots.figures.sheet import STRATA
 from gcm_learn.plots.reports.page import fill
 from gcm_learn.recall import Memory, passing_of, path_of
 from gcm_learn.scene import entry_of, outline, pack_bodies, poses_at
@@ -118,7 +118,7 @@ def _point(memory: Memory, k: int) -> Values:
     situation, waypoints = entry.situation, entry.waypoints
     sides = [SIDES[letter] for letter in passing_of(situation, waypoints).sides]
     words = {
-        "stratum": NAMES.get(entry.stratum or "", "unknown"),
+        "stratum": STRATA.get(entry.stratum or "", "unknown"),
         "family": entry.family or "unknown",
         "sides of the hand on which obstacles are passed": ", ".join(sides) or "none",
     }

@@ -56,7 +56,8 @@ class Section:
 
 
 def render(title: str, lead: Sequence[str], opening: Picture, key: Sequence[tuple[str, str]],
-           sections: Sequence[Section], *, back: str = "") -> str:  # fmt: skip
+           sections: Sequence[Section], *, back: str = "",
+           beside: Sequence[Picture] = ()) -> str:  # fmt: skip
     """Return a page as HTML.
 
     Parameters
@@ -70,12 +71,15 @@ def render(title: str, lead: Sequence[str], opening: Picture, key: Sequence[tupl
     sections : sequence of Section
     back : str
         Address of the page that links here.
+    beside : sequence of Picture
+        Pictures beside the opening one.
 
     Returns
     -------
     str
     """
-    told = {"title": title, "lead": lead, "opening": opening, "key": key, "sections": sections}
+    told = {"title": title, "lead": lead, "key": key, "sections": sections}
+    told |= {"opening": [opening, *beside]}
     return fill("page.html", told | {"back": back})
 
 
@@ -137,28 +141,18 @@ def _marked(text: str) -> Markup:
     return Markup(re.sub("`([^`]+)`", r"<code>\1</code>", linked))
 
 
-def picture_of(figure: Figure, path: Path, caption: str, *, embed: bool = False) -> Picture:
-    """Write a figure as a PNG file and return its place on the page.
+def picture_of(figure: Figure, path: Path, caption: str) -> Picture:
+    """Write a figure as a PNG file beside the page and return its place on the page."""
+    figure.savefig(path, dpi=SHARPNESS * SCALE, format="png")
+    return Picture(path.name, caption, round(SCALE * figure.get_figwidth()))
 
-    Parameters
-    ----------
-    figure : Figure
-    path : Path
-        Beside the page.
-    caption : str
-    embed : bool
-        Put the image into the page as well, which then needs no other file.
-    """
+
+def picture_within(figure: Figure, caption: str) -> Picture:
+    """Return a figure as a picture within the page, which then needs no other file."""
     buffer = io.BytesIO()
     figure.savefig(buffer, dpi=SHARPNESS * SCALE, format="png")
-    path.write_bytes(buffer.getvalue())
-    source = embedded(buffer.getvalue(), "png") if embed else path.name
+    source = f"data:image/png;base64,{base64.b64encode(buffer.getvalue()).decode()}"
     return Picture(source, caption, round(SCALE * figure.get_figwidth()))
-
-
-def embedded(data: bytes, kind: str) -> str:
-    """An image of a kind, such as ``gif``, as an address that holds it."""
-    return f"data:image/{kind};base64,{base64.b64encode(data).decode()}"
 
 
 def number(value: float | None, form: str = ".2f") -> str:
