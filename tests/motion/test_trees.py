@@ -85,6 +85,7 @@ def test_a_branch_that_sweeps_through_a_post_between_samples():
     assert "link 2 and post 0" in words
 
 
+@pytest.mark.slow
 def test_a_planner_goes_round_with_its_lever_too():
     given = situation(posts=[SWEPT])
     plan = get_planner("search").plan(situation_from_json(given))
