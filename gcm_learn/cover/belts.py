@@ -6,21 +6,10 @@ from collections.abc import Callable, Iterable
 from dataclasses import replace
 from typing import Any
 
+from gcm_learn import situation
 from gcm_learn.arms import Arm, Chain, SpatialArm
 from gcm_learn.cover.families import Parameter, ParametricFamily
 from gcm_learn.errors import UnknownNameError
-from gcm_learn.situation import (
-    Body,
-    Box,
-    Capsule,
-    Disc,
-    PlanarQuadratic,
-    Shape,
-    Situation,
-    SolidQuadratic,
-    Sphere,
-    shipped_arm,
-)
 
 HORIZON = 1.6  # [s]
 PART, CARRIER, POST = "part", "carrier", "post"
@@ -29,12 +18,12 @@ PART, CARRIER, POST = "part", "carrier", "post"
 def belt() -> ParametricFamily:
     """Belt in the plane, behind a row of posts."""
     arm = Arm((1.1, 0.1), 3.0, thickness=0.05, grasp=0.05)
-    good, post = Disc(0.1), Disc(0.06)
+    good, post = situation.Disc(0.1), situation.Disc(0.06)
     bodies = (
-        _planar(PART, Disc(0.06), -0.7, 1.2, 0.6),
+        _planar(PART, situation.Disc(0.06), -0.7, 1.2, 0.6),
         _planar("good 1", good, -1.35, 1.2, 0.6),
         _planar("good 2", good, -0.05, 1.2, 0.6),
-        _planar(CARRIER, Disc(0.1), 0.9, 0.85, -0.6),
+        _planar(CARRIER, situation.Disc(0.1), 0.9, 0.85, -0.6),
         _planar("post 1", post, -0.75, 0.75),
         _planar("post 2", post, 1.3, 0.8),
     )
@@ -53,13 +42,13 @@ def belt_space() -> ParametricFamily:
         grasp=0.1,
         thickness=0.08,
     )
-    good, post = Box((0.1, 0.1, 0.1)), Capsule(0.05, 0.3)
+    good, post = situation.Box((0.1, 0.1, 0.1)), situation.Capsule(0.05, 0.3)
     bodies = (
-        _solid(PART, Sphere(0.08), (1.2, -0.9, -0.4), 0.6),
-        _solid("belt", Box((0.25, 2.0, 0.03)), (1.2, 0.0, -0.62)),
+        _solid(PART, situation.Sphere(0.08), (1.2, -0.9, -0.4), 0.6),
+        _solid("belt", situation.Box((0.25, 2.0, 0.03)), (1.2, 0.0, -0.62)),
         _solid("good 1", good, (1.2, -1.55, -0.45), 0.6),
         _solid("good 2", good, (1.2, -0.25, -0.45), 0.6),
-        _solid(CARRIER, Sphere(0.15), (1.0, 0.5, -0.05), -0.6),
+        _solid(CARRIER, situation.Sphere(0.15), (1.0, 0.5, -0.05), -0.6),
         _solid("post 1", post, (0.75, -0.75, -0.5)),
         _solid("post 2", post, (0.75, 0.75, -0.5)),
     )
@@ -69,38 +58,42 @@ def belt_space() -> ParametricFamily:
 
 def belt_chain() -> ParametricFamily:
     """Belt before a Panda; it runs along y, in metres."""
-    arm = Chain(shipped_arm("panda"), (0.0, -0.3, 0.0, -2.0, 0.0, 1.8, 0.7), grasp=0.03)
-    good = Box((0.04, 0.04, 0.04))
+    arm = Chain(situation.shipped_arm("panda"), (0.0, -0.3, 0.0, -2.0, 0.0, 1.8, 0.7), grasp=0.03)
+    good = situation.Box((0.04, 0.04, 0.04))
     bodies = (
-        _solid(PART, Sphere(0.03), (0.55, -0.35, 0.15), 0.25),
-        _solid("belt", Box((0.1, 0.8, 0.02)), (0.55, 0.0, 0.05)),
+        _solid(PART, situation.Sphere(0.03), (0.55, -0.35, 0.15), 0.25),
+        _solid("belt", situation.Box((0.1, 0.8, 0.02)), (0.55, 0.0, 0.05)),
         _solid("good 1", good, (0.55, -0.6, 0.12), 0.25),
         _solid("good 2", good, (0.55, -0.1, 0.12), 0.25),
-        _solid(CARRIER, Sphere(0.06), (0.45, 0.3, 0.4), -0.25),
-        _solid("post 1", Capsule(0.02, 0.12), (0.4, -0.3, 0.1)),
+        _solid(CARRIER, situation.Sphere(0.06), (0.45, 0.3, 0.4), -0.25),
+        _solid("post 1", situation.Capsule(0.02, 0.12), (0.4, -0.3, 0.1)),
     )
     about = "a part on a belt before a Panda, behind a post and a moving carrier"
     sides = ((0.0, 1.0, 0.0), (1.0, 0.0, 0.0))
     return _family("belt-chain", about, arm, bodies, sides, "m", size=0.25)
 
 
-def _planar(name: str, shape: Shape, x: float, y: float, pace: float = 0.0) -> Body:
+def _planar(
+    name: str, shape: situation.Shape, x: float, y: float, pace: float = 0.0
+) -> situation.Body:
     """Return a body that moves along x."""
-    law = PlanarQuadratic((x, y), (pace, 0.0), (0.0, 0.0))
-    return Body("target" if name == PART else "obstacle", name, shape, law)
+    law = situation.PlanarQuadratic((x, y), (pace, 0.0), (0.0, 0.0))
+    return situation.Body("target" if name == PART else "obstacle", name, shape, law)
 
 
-def _solid(name: str, shape: Shape, place: tuple[float, float, float], pace: float = 0.0) -> Body:
+def _solid(
+    name: str, shape: situation.Shape, place: tuple[float, float, float], pace: float = 0.0
+) -> situation.Body:
     """Return a solid that moves along y."""
-    law = SolidQuadratic(place, (0.0, pace, 0.0), (0.0, 0.0, 0.0))
-    return Body("target" if name == PART else "obstacle", name, shape, law)
+    law = situation.SolidQuadratic(place, (0.0, pace, 0.0), (0.0, 0.0, 0.0))
+    return situation.Body("target" if name == PART else "obstacle", name, shape, law)
 
 
 def _family(
     name: str,
     summary: str,
     arm: Any,
-    bodies: tuple[Body, ...],
+    bodies: tuple[situation.Body, ...],
     sides: tuple[tuple[float, ...], tuple[float, ...]],
     unit: str,
     size: float = 1.0,
@@ -133,7 +126,7 @@ def _family(
         of("phase", 0.3, [CARRIER], "position", along),
         of("speed", 0.3, [CARRIER], "velocity", along),
     )
-    middle: Any = Situation(name, HORIZON, arm, bodies)
+    middle: Any = situation.Situation(name, HORIZON, arm, bodies)
     return ParametricFamily(name, summary, middle, parameters)
 
 

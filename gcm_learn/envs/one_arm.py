@@ -11,25 +11,10 @@ import gymnasium
 import numpy as np
 from gymnasium import spaces
 
+from gcm_learn import execution
 from gcm_learn.arms import PLANAR, ByKind, rotation_of
 from gcm_learn.envs.viewer import Viewer
 from gcm_learn.errors import ArenaError
-from gcm_learn.execution import (
-    CAUGHT,
-    COLLIDED,
-    LATE,
-    OUTCOMES,
-    RUNNING,
-    AnyBody,
-    Arena,
-    ArenaSettings,
-    Batch,
-    Pool,
-    Source,
-    pool_for,
-    pool_of,
-    settings_of,
-)
 from gcm_learn.situation import AnySituation, Situation
 
 Placing = Callable[[np.ndarray], np.ndarray]
@@ -88,29 +73,29 @@ POOL = 256  # situations that an environment draws from a family, by default
 
 
 def plant_for(
-    arena: Arena,
+    arena: execution.Arena,
     count: int,
-    situations: Source | Pool | None,
-    settings: ArenaSettings,
+    situations: execution.Source | execution.Pool | None,
+    settings: execution.ArenaSettings,
     *,
     pool: int,
     pool_seed: int,
-    body: AnyBody,
+    body: execution.AnyBody,
     threads: int = 1,
-) -> Batch:
+) -> execution.Batch:
     """Return so many arms of an arena, from the arguments of environments."""
     made = situations if situations is not None else arena.family
-    if not isinstance(made, Pool):
-        made = pool_of(made, pool, pool_seed, settings, body)
+    if not isinstance(made, execution.Pool):
+        made = execution.pool_of(made, pool, pool_seed, settings, body)
     return arena.plant(made, count, settings, threads)
 
 
-def box(plant: Batch) -> spaces.Box:
+def box(plant: execution.Batch) -> spaces.Box:
     """Return the space of observations."""
     return spaces.Box(-plant.bounds, plant.bounds, dtype=np.float32)
 
 
-def commands(plant: Batch) -> spaces.Box:
+def commands(plant: execution.Batch) -> spaces.Box:
     """Return the space of actions of one arm."""
     return spaces.Box(-1.0, 1.0, (plant.commands,), np.float32)
 
@@ -163,18 +148,18 @@ class OneArm(gymnasium.Env[np.ndarray, np.ndarray]):
         These four settings for short, in arenas that have them.
     """
 
-    arena: ClassVar[Arena]
+    arena: ClassVar[execution.Arena]
     metadata: ClassVar[dict[str, Any]] = {"render_modes": ["rgb_array", "human"], "render_fps": 50}
 
     def __init__(
         self,
-        situations: Source | Pool | None = None,
+        situations: execution.Source | execution.Pool | None = None,
         render_mode: str | None = None,
         *,
         pool: int = POOL,
         pool_seed: int = 0,
-        body: AnyBody = None,
-        settings: ArenaSettings | Mapping[str, Any] | None = None,
+        body: execution.AnyBody = None,
+        settings: execution.ArenaSettings | Mapping[str, Any] | None = None,
         control: str | None = None,
         fan: bool | None = None,
         embedding: bool | None = None,
@@ -182,7 +167,7 @@ class OneArm(gymnasium.Env[np.ndarray, np.ndarray]):
     ) -> None:
         if render_mode is not None and render_mode not in self.metadata["render_modes"]:
             raise ArenaError(f"render_mode: {render_mode!r} is not rgb_array or human")
-        chosen = settings_of(
+        chosen = execution.settings_of(
             self.arena.settings, settings, control=control, fan=fan, embedding=embedding, arm=arm
         )
         self.plant: Any = plant_for(
@@ -229,7 +214,7 @@ class OneArm(gymnasium.Env[np.ndarray, np.ndarray]):
         if situation is not None:
             if not isinstance(situation, Situation):
                 raise ArenaError(f"options.situation: must be a situation (got {situation!r})")
-            given = pool_for(self.settings, [situation], self._body)
+            given = execution.pool_for(self.settings, [situation], self._body)
             self.plant.pool, index = self.settings.prepared(given), 0
         elif index is None:
             index = int(self.np_random.integers(len(self.pool)))
@@ -242,7 +227,7 @@ class OneArm(gymnasium.Env[np.ndarray, np.ndarray]):
         self._several = self.situation.catch != "any"
         if self.render_mode == "human":
             self.render()
-        return self.plant.observations[0].copy(), self._info(RUNNING)
+        return self.plant.observations[0].copy(), self._info(execution.RUNNING)
 
     def step(self, action: np.ndarray) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
         """Move for `dt` seconds; an action of another shape, or not finite, is an error."""
@@ -255,12 +240,12 @@ class OneArm(gymnasium.Env[np.ndarray, np.ndarray]):
         info, terms = self._info(outcome), self.plant.terms[0].tolist()
         catch, touch, haste, guide = terms  # a literal costs a fourth of what a zip does
         info["reward_terms"] = {"catch": catch, "touch": touch, "haste": haste, "guide": guide}
-        if outcome != RUNNING:
-            info["is_success"] = outcome == CAUGHT
+        if outcome != execution.RUNNING:
+            info["is_success"] = outcome == execution.CAUGHT
         if self.render_mode == "human":
             self.render()
-        ended = outcome in (CAUGHT, COLLIDED)
-        return observation, sum(terms), ended, outcome == LATE, info
+        ended = outcome in (execution.CAUGHT, execution.COLLIDED)
+        return observation, sum(terms), ended, outcome == execution.LATE, info
 
     def _where(self) -> tuple[float, ...]:
         """Return the time, and the posture."""
@@ -276,11 +261,11 @@ class OneArm(gymnasium.Env[np.ndarray, np.ndarray]):
         return self._placings[index]
 
     def _info(self, outcome: int) -> dict[str, Any]:
-        several = outcome == CAUGHT or self._several
+        several = outcome == execution.CAUGHT or self._several
         return {
             "time": self._path[-1][0],
             "hand": self._placing(self.plant.state.hand[0]),
-            "outcome": OUTCOMES[outcome],
+            "outcome": execution.OUTCOMES[outcome],
             "caught": self.plant.caught(0) if several else (),
         }
 

@@ -10,22 +10,9 @@ import numpy as np
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
+from gcm_learn import execution
 from gcm_learn.envs.one_arm import POOL, box, commands, finite, plant_for
 from gcm_learn.errors import ArenaError
-from gcm_learn.execution import (
-    ARENAS,
-    CAUGHT,
-    LATE,
-    OUTCOMES,
-    RUNNING,
-    TERMS,
-    AnyBody,
-    Arena,
-    ArenaSettings,
-    Pool,
-    Source,
-    settings_of,
-)
 
 
 class ManyArms(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
@@ -43,18 +30,18 @@ class ManyArms(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         Many arms are not drawn.
     """
 
-    arena: ClassVar[Arena]
+    arena: ClassVar[execution.Arena]
     metadata: ClassVar[dict[str, Any]] = {"autoreset_mode": AutoresetMode.SAME_STEP}
 
     def __init__(
         self,
         num_envs: int = 1,
-        situations: Source | Pool | None = None,
+        situations: execution.Source | execution.Pool | None = None,
         *,
         pool: int = POOL,
         pool_seed: int = 0,
-        body: AnyBody = None,
-        settings: ArenaSettings | Mapping[str, Any] | None = None,
+        body: execution.AnyBody = None,
+        settings: execution.ArenaSettings | Mapping[str, Any] | None = None,
         control: str | None = None,
         fan: bool | None = None,
         embedding: bool | None = None,
@@ -67,7 +54,7 @@ class ManyArms(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
                 raise ArenaError(f"{name}: must be at least 1 (got {value})")
         if render_mode is not None:
             raise ArenaError("render_mode: many arms are not drawn; make one of them")
-        chosen = settings_of(
+        chosen = execution.settings_of(
             self.arena.settings, settings, control=control, fan=fan, embedding=embedding, arm=arm
         )
         plant: Any = plant_for(
@@ -105,8 +92,8 @@ class ManyArms(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         shape = (self.num_envs, plant.commands)
         outcomes = plant.move(finite(actions, shape, f"{type(self).__name__}.step"))
         rewards = plant.rewards
-        info["reward_terms"] = dict(zip(TERMS, plant.terms.T.copy(), strict=True))
-        over, late = outcomes != RUNNING, outcomes == LATE
+        info["reward_terms"] = dict(zip(execution.TERMS, plant.terms.T.copy(), strict=True))
+        over, late = outcomes != execution.RUNNING, outcomes == execution.LATE
         if over.any():
             self._begin_anew(np.flatnonzero(over), over, info)
         return plant.observations.copy(), rewards, over & ~late, late, info
@@ -118,12 +105,12 @@ class ManyArms(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         caught = np.empty(self.num_envs, object)
         for e in arms:
             last[e] = plant.observations[e].copy()
-            names[e], caught[e] = OUTCOMES[plant.told.outcomes[e]], plant.caught(int(e))
+            names[e], caught[e] = execution.OUTCOMES[plant.told.outcomes[e]], plant.caught(int(e))
         info["final_obs"], info["_final_obs"] = last, over
         info["final_info"] = {
             "time": plant.state.time.copy(),
             "outcome": names,
-            "is_success": plant.told.outcomes == CAUGHT,
+            "is_success": plant.told.outcomes == execution.CAUGHT,
             "index": plant.state.place.copy(),
             "caught": caught,
         }
@@ -145,7 +132,7 @@ class CatchArms(ManyArms):
     `is_success`.
     """
 
-    arena = ARENAS["CatchArm-v0"]
+    arena = execution.ARENAS["CatchArm-v0"]
 
 
 class CatchArms3D(ManyArms):
@@ -155,7 +142,7 @@ class CatchArms3D(ManyArms):
     vectorization_mode="vector_entry_point")`` makes it.
     """
 
-    arena = ARENAS["CatchArm3D-v0"]
+    arena = execution.ARENAS["CatchArm3D-v0"]
 
 
 class CatchChains(ManyArms):
@@ -165,7 +152,7 @@ class CatchChains(ManyArms):
     vectorization_mode="vector_entry_point")`` makes it.
     """
 
-    arena = ARENAS["CatchChain-v0"]
+    arena = execution.ARENAS["CatchChain-v0"]
 
 
 class CatchArmsPhysics(ManyArms):
@@ -175,7 +162,7 @@ class CatchArmsPhysics(ManyArms):
     vectorization_mode="vector_entry_point")`` makes it.
     """
 
-    arena = ARENAS["CatchArmPhysics-v0"]
+    arena = execution.ARENAS["CatchArmPhysics-v0"]
 
 
 class CatchChainsPhysics(ManyArms):
@@ -185,7 +172,7 @@ class CatchChainsPhysics(ManyArms):
     vectorization_mode="vector_entry_point")`` makes it.
     """
 
-    arena = ARENAS["CatchChainPhysics-v0"]
+    arena = execution.ARENAS["CatchChainPhysics-v0"]
 
 
 def _generator(seed: int) -> tuple[np.random.Generator, int]:

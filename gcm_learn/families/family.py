@@ -11,18 +11,7 @@ import numpy as np
 
 from gcm_learn.arms import Arm
 from gcm_learn.errors import FamilyError
-from gcm_learn.families.ranges import (
-    Counts,
-    Range,
-    Ranges,
-    choose,
-    counts,
-    number,
-    options,
-    pick,
-    pick_angle,
-    span,
-)
+from gcm_learn.families import ranges
 from gcm_learn.motion import start_clearance
 from gcm_learn.scene import pack
 from gcm_learn.situation import AnySituation, Pendulum, Situation
@@ -32,24 +21,24 @@ TINY = 1e-3  # what must be positive is at least this
 
 
 @dataclass(frozen=True)
-class ArmRanges(Ranges):
+class ArmRanges(ranges.Ranges):
     """The body and its time; another embodiment is one `dataclasses.replace`."""
 
-    upper_arm: Range = span(0.8, 1.2, TINY)
+    upper_arm: ranges.Range = ranges.span(0.8, 1.2, TINY)
     """Length of the upper arm [forearms]."""
-    right: float = number(0.5)
+    right: float = ranges.number(0.5)
     """Share of arms whose elbow is on the right."""
-    thickness: tuple[float, ...] = options(0.0, 0.03)
+    thickness: tuple[float, ...] = ranges.options(0.0, 0.03)
     """Radii of the segments, one of which is drawn [forearms]."""
-    hand_speed: Range = span(2.8, 3.8, TINY)
+    hand_speed: ranges.Range = ranges.span(2.8, 3.8, TINY)
     """Largest speed of the hand [forearms/s]."""
-    horizon: Range = span(1.0, 1.4, TINY)
+    horizon: ranges.Range = ranges.span(1.0, 1.4, TINY)
     """Last moment at which a catch counts [s]."""
-    grasp: Range = span(0.05, 0.05)
+    grasp: ranges.Range = ranges.span(0.05, 0.05)
     """Distance at which the hand catches [forearms]."""
-    inner_margin: float = number(0.35)
+    inner_margin: float = ranges.number(0.35)
     """Between the ring's inner rim and where hands start and meet targets [forearms]."""
-    outer_margin: float = number(0.1)
+    outer_margin: float = ranges.number(0.1)
     """Margin at the outer rim [forearms]."""
 
     def __post_init__(self) -> None:
@@ -63,25 +52,25 @@ class ArmRanges(Ranges):
     def draw(self, rng: np.random.Generator) -> tuple[Arm, float]:
         """Draw an arm, its hand in any direction from the shoulder, and a horizon [s]."""
         elbow = "right" if rng.random() < self.right else "left"
-        upper_arm = pick(rng, self.upper_arm)
-        angle, radius = pick_angle(rng), pick(rng, self.radii(upper_arm))
+        upper_arm = ranges.pick(rng, self.upper_arm)
+        angle, radius = ranges.pick_angle(rng), ranges.pick(rng, self.radii(upper_arm))
         arm = Arm(
             hand=(radius * math.cos(angle), radius * math.sin(angle)),
-            thickness=choose(rng, self.thickness),
-            max_hand_speed=pick(rng, self.hand_speed),
+            thickness=ranges.choose(rng, self.thickness),
+            max_hand_speed=ranges.pick(rng, self.hand_speed),
             upper_arm=upper_arm,
             elbow=elbow,
-            grasp=pick(rng, self.grasp),
+            grasp=ranges.pick(rng, self.grasp),
         )
-        return arm, pick(rng, self.horizon)
+        return arm, ranges.pick(rng, self.horizon)
 
-    def radii(self, upper_arm: float) -> Range:
+    def radii(self, upper_arm: float) -> ranges.Range:
         """Distances from the shoulder at which hands start and meet targets [forearms]."""
         return abs(upper_arm - 1.0) + self.inner_margin, upper_arm + 1.0 - self.outer_margin
 
 
 @dataclass(frozen=True)
-class Family(Ranges):
+class Family(ranges.Ranges):
     """A law by which situations are drawn, with its ranges.
 
     `dataclasses.replace` gives the same law with other ranges: faster, larger, more, another arm.
@@ -130,7 +119,7 @@ class PlanarFamily(Family):
     """Base of families for an arm that moves in a plane."""
 
     arm: ArmRanges = field(default_factory=ArmRanges)
-    obstacles: Counts = counts(1, 4)
+    obstacles: ranges.Counts = ranges.counts(1, 4)
     """Number of obstacles."""
 
     @abstractmethod

@@ -9,18 +9,8 @@ from typing import ClassVar
 import numpy as np
 
 from gcm_learn.arms import Arm
+from gcm_learn.families import layout
 from gcm_learn.families.family import TINY, PlanarFamily
-from gcm_learn.families.layout import (
-    TRIES,
-    Event,
-    WayRanges,
-    anywhere,
-    leaves_room,
-    meeting_time,
-    on_the_way,
-    polar,
-    way_time,
-)
 from gcm_learn.families.pieces import (
     UPRIGHT,
     Piece,
@@ -94,18 +84,18 @@ class PieceFamily(PlanarFamily):
         """The target, then the obstacles, in the arm's plane."""
 
     @abstractmethod
-    def obstacle(self, rng: np.random.Generator, arm: Arm, event: Event, k: int) -> Piece:
+    def obstacle(self, rng: np.random.Generator, arm: Arm, event: layout.Event, k: int) -> Piece:
         """Obstacle number k, counted from 0."""
 
     def fitting(
-        self, rng: np.random.Generator, arm: Arm, event: Event, count: int
+        self, rng: np.random.Generator, arm: Arm, event: layout.Event, count: int
     ) -> tuple[Piece, ...]:
         """Draw obstacles that leave the limb free at its start and at the meeting."""
         pieces = []
         for k in range(count):
-            for _ in range(TRIES):
+            for _ in range(layout.TRIES):
                 piece = self.obstacle(rng, arm, event, k)
-                if leaves_room(piece, arm, event):
+                if layout.leaves_room(piece, arm, event):
                     break
             pieces.append(piece)
         return tuple(pieces)
@@ -119,7 +109,7 @@ class PieceFamily(PlanarFamily):
 class EventFamily(PieceFamily):
     """Base of families that aim obstacles at the straight way to where the target may be met."""
 
-    way: WayRanges = field(default_factory=WayRanges)
+    way: layout.WayRanges = field(default_factory=layout.WayRanges)
     aimed: float = number(0.5)
     """Share of obstacles that are aimed at the limb's straight way; the others pass anywhere within
     reach at any time. The more are aimed, the fewer targets can be caught at all."""
@@ -134,34 +124,34 @@ class EventFamily(PieceFamily):
         return event.target, *self.fitting(rng, arm, event, pick_count(rng, self.obstacles))
 
     @abstractmethod
-    def event(self, rng: np.random.Generator, arm: Arm, horizon: float) -> Event:
+    def event(self, rng: np.random.Generator, arm: Arm, horizon: float) -> layout.Event:
         """The target and how it may be met."""
 
     def goal(self, rng: np.random.Generator, arm: Arm, horizon: float) -> Vector:
         """Draw a place at which the hand may meet the target."""
         return self.way.end(rng, arm, horizon, self.arm.radii(arm.upper_arm))
 
-    def aim(self, rng: np.random.Generator, arm: Arm, event: Event) -> tuple[Vector, float]:
+    def aim(self, rng: np.random.Generator, arm: Arm, event: layout.Event) -> tuple[Vector, float]:
         """Draw the place where an obstacle is to be, and when [s]."""
         if rng.random() < self.aimed:
-            return on_the_way(rng, arm, event, self.share, self.inside)
-        return anywhere(rng, arm, self.inside), event.horizon * rng.random()
+            return layout.on_the_way(rng, arm, event, self.share, self.inside)
+        return layout.anywhere(rng, arm, self.inside), event.horizon * rng.random()
 
-    def ball_at_rest(self, rng: np.random.Generator, arm: Arm, horizon: float) -> Event:
+    def ball_at_rest(self, rng: np.random.Generator, arm: Arm, horizon: float) -> layout.Event:
         """A resting target, met as early as can be."""
         meet = self.goal(rng, arm, horizon)
         target = Piece("target", "target", self.sizes.ball_to_catch(rng), meet)
-        return Event(target, meet, way_time(arm, meet), horizon, pick_sign(rng))
+        return layout.Event(target, meet, layout.way_time(arm, meet), horizon, pick_sign(rng))
 
     def moving_ball(
         self, rng: np.random.Generator, arm: Arm, horizon: float, speed: Range, wait: Range
-    ) -> Event:
+    ) -> layout.Event:
         """A target that flies in any direction at a speed from a range [hand speeds]."""
         meet = self.goal(rng, arm, horizon)
-        when = meeting_time(rng, arm, meet, wait, horizon)
-        velocity = polar(pick(rng, speed) * arm.max_hand_speed, pick_angle(rng))
+        when = layout.meeting_time(rng, arm, meet, wait, horizon)
+        velocity = layout.polar(pick(rng, speed) * arm.max_hand_speed, pick_angle(rng))
         target = Piece("target", "target", self.sizes.ball_to_catch(rng), meet, when, velocity)
-        return Event(target, meet, when, horizon, pick_sign(rng))
+        return layout.Event(target, meet, when, horizon, pick_sign(rng))
 
 
 @dataclass(frozen=True)

@@ -12,16 +12,7 @@ from typing import ClassVar
 from gcm_learn.arms import Chain, ChainModel
 from gcm_learn.checks import non_negative, quote
 from gcm_learn.errors import FileFormatError, SituationError
-from gcm_learn.outside.converted import (
-    GRASP,
-    WITHIN,
-    Converted,
-    goal_is_blocked,
-    grasping,
-    is_blocked,
-    model_named,
-    resting_target,
-)
+from gcm_learn.outside import converted
 from gcm_learn.outside.in_motion import in_motion
 from gcm_learn.outside.moveit import base_of, bodies_of, goal_of, posture_of, start_of
 from gcm_learn.outside.nodes import Node
@@ -56,16 +47,16 @@ class MotionBenchMaker:
 
     arm: str | None = None
     horizon: float = 6.0
-    within: float = WITHIN
-    grasp: float = GRASP
+    within: float = converted.WITHIN
+    grasp: float = converted.GRASP
     moving: int | None = None
 
     summary: ClassVar[str] = "MoveIt planning scenes and requests, as MotionBenchMaker has them"
 
-    def convert(self, sources: Sequence[Path]) -> Converted:
+    def convert(self, sources: Sequence[Path]) -> converted.Converted:
         """Return a situation for each pair of a scene and a request."""
         non_negative(0 if self.moving is None else self.moving, "moving")
-        result, names = Converted(), set()
+        result, names = converted.Converted(), set()
         for source in sources:
             for name, files in _problems(source, result.leaving_out):
                 with result.leaving_out():
@@ -77,21 +68,21 @@ class MotionBenchMaker:
         return result.at_least_one()
 
     def _convert(
-        self, name: str, scene: Node, request: Node, counts: Converted
+        self, name: str, scene: Node, request: Node, counts: converted.Converted
     ) -> Situation[Chain]:
         robot, model = self._model(scene)
         state, goal = start_of(request, scene), goal_of(request, model, robot)
         bodies = bodies_of(scene)
         try:
             arm = Chain(model, posture_of(state, model, robot), self.grasp, base_of(state, scene))
-            target = resting_target(arm, goal, self.within)
+            target = converted.resting_target(arm, goal, self.within)
             resting = Situation(name, self.horizon, arm, (target, *bodies))
         except SituationError as error:
             raise request.error(str(error)) from None
-        situation = grasping(resting, goal)
+        situation = converted.grasping(resting, goal)
         counts.count(GRASPED, situation is not resting)
-        blocked = counts.count(START_BLOCKED, is_blocked(situation))
-        counts.count(GOAL_BLOCKED, goal_is_blocked(situation, goal))
+        blocked = counts.count(START_BLOCKED, converted.is_blocked(situation))
+        counts.count(GOAL_BLOCKED, converted.goal_is_blocked(situation, goal))
         if self.moving is None:
             return situation
         return in_motion(situation, goal, rng(self.moving, zlib.crc32(name.encode())), blocked)
@@ -101,9 +92,9 @@ class MotionBenchMaker:
         robot = scene.at("robot_model_name") if self.arm is None else scene.find("robot_model_name")
         name = "" if robot is None else robot.text()
         if self.arm is not None:
-            return name, model_named(self.arm)
+            return name, converted.model_named(self.arm)
         try:
-            return name, model_named(name)
+            return name, converted.model_named(name)
         except SituationError as error:
             reason = f"{error.reason}; --arm FILE gives another"
             raise scene.at("robot_model_name").error(reason) from None

@@ -12,16 +12,7 @@ import numpy as np
 from gcm_learn.arms import Base, Chain, ChainModel
 from gcm_learn.checks import positive, quote
 from gcm_learn.errors import SituationError
-from gcm_learn.outside.converted import (
-    GRASP,
-    REST,
-    WITHIN,
-    Converted,
-    goal_is_blocked,
-    is_blocked,
-    model_named,
-    resting_target,
-)
+from gcm_learn.outside import converted
 from gcm_learn.outside.nodes import Node, unique
 from gcm_learn.outside.sources import json_nodes
 from gcm_learn.situation import (
@@ -68,22 +59,22 @@ class SiRrt:
 
     arm: str | None = None
     horizon: float | None = None
-    within: float = WITHIN
-    grasp: float = GRASP
+    within: float = converted.WITHIN
+    grasp: float = converted.GRASP
 
     summary: ClassVar[str] = "scenes of SI-RRT, with boxes that move frame by frame"
 
-    def convert(self, sources: Sequence[Path]) -> Converted:
+    def convert(self, sources: Sequence[Path]) -> converted.Converted:
         """Return a situation for each scene."""
-        result, model = Converted(), model_named(self.arm or "xarm6")
+        result, model = converted.Converted(), converted.model_named(self.arm or "xarm6")
         for scene in json_nodes(sources, FILES, result.leaving_out):
             name = Path(scene.file).name.split(".json")[0]
             taken = {situation.name for situation in result.situations}
             name = name if name not in taken else f"{name}-{len(taken) + 1}"
             with result.leaving_out():
                 situation, goal = self._convert(name, scene, model)
-                result.count("the start is blocked", is_blocked(situation))
-                ended = goal_is_blocked(at_end(situation), goal)
+                result.count("the start is blocked", converted.is_blocked(situation))
+                ended = converted.goal_is_blocked(at_end(situation), goal)
                 result.count("the goal posture is blocked at the end", ended)
                 result.situations.append(situation)
         return result.at_least_one()
@@ -106,7 +97,7 @@ class SiRrt:
         base = Base(scene.at("robot_base_coords").point(), scene.at("robot_base_quat_rot").turn())
         try:
             arm = Chain(self._measured(model, scene, order), start, self.grasp, base)
-            target = resting_target(arm, goal, self.within)
+            target = converted.resting_target(arm, goal, self.within)
             return Situation(name, horizon, arm, (target, *bodies)), goal
         except SituationError as error:
             raise scene.error(str(error)) from None
@@ -200,7 +191,7 @@ def _motion(row: Node, poses: Sequence[Node], rate: float) -> SolidMotion:
     kept = thinned(places, turns)
     if len(kept) == 1:
         (x, y, z), (a, b, c, d) = places[0].tolist(), turns[0].tolist()
-        return SolidQuadratic((x, y, z), REST, REST, (a, b, c, d))
+        return SolidQuadratic((x, y, z), converted.REST, converted.REST, (a, b, c, d))
     times = tuple((np.array(kept) / rate).tolist())
     return row.at("positions").checked(
         Sampled, times, tuple(map(_floats, places[kept])), tuple(map(_floats, turns[kept]))

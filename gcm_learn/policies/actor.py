@@ -9,20 +9,9 @@ from typing import Any, Literal
 
 import numpy as np
 
+from gcm_learn import execution
 from gcm_learn.arms import SPATIAL, ByKind, Kind
 from gcm_learn.errors import PolicyError
-from gcm_learn.execution import (
-    ARENAS,
-    ArenaSettings,
-    Commanding,
-    Episodes,
-    Moment,
-    Pool,
-    arena_of,
-    plant_of,
-    run_episode,
-    settings_of,
-)
 from gcm_learn.policies.directions import chosen, moved
 from gcm_learn.storage import whole_file
 
@@ -36,7 +25,7 @@ FILES = {
     "CatchChainPhysics-v0": "actor-chain-physics.npz",
 }
 """By the arena in which a policy acts."""
-MINDS = ByKind({SPATIAL: Commanding}, who="an actor in the closed loop")
+MINDS = ByKind({SPATIAL: execution.Commanding}, who="an actor in the closed loop")
 """Agents of the closed loop that act as a policy does."""
 CLIP = 10.0  # of normalised observations, as Stable-Baselines3 has it
 
@@ -44,7 +33,7 @@ CLIP = 10.0  # of normalised observations, as Stable-Baselines3 has it
 class Acting:
     """A policy that acts in an arena: of actors, and of policies from outside."""
 
-    settings: ArenaSettings
+    settings: execution.ArenaSettings
     """Of the arms for which it was made."""
 
     @property
@@ -57,16 +46,16 @@ class Acting:
         raise NotImplementedError
 
     def play(
-        self, pool: Pool, places: np.ndarray, rng: np.random.Generator | None = None
-    ) -> Episodes:
+        self, pool: execution.Pool, places: np.ndarray, rng: np.random.Generator | None = None
+    ) -> execution.Episodes:
         """Play one episode in each of some situations (n,) of a pool.
 
         With a generator, actions are drawn; else they are the most likely ones.
         """
-        plant = plant_of(pool, len(places), self.settings)
-        return run_episode(_Agent(self, rng), plant, places)
+        plant = execution.plant_of(pool, len(places), self.settings)
+        return execution.run_episode(_Agent(self, rng), plant, places)
 
-    def mind(self) -> Commanding:
+    def mind(self) -> execution.Commanding:
         """Return the policy in the closed loop, its most likely action in every period.
 
         Raises
@@ -99,7 +88,7 @@ class Actor(Acting):
     """If true, the velocity is the tanh of the last layer."""
     spread: np.ndarray
     """Logarithm of the deviations of sampled actions (commands,); of no use to choices."""
-    settings: ArenaSettings
+    settings: execution.ArenaSettings
     """Of the arms with which it was trained."""
 
     def scores(self, observations: np.ndarray) -> np.ndarray:
@@ -155,13 +144,13 @@ class Actor(Acting):
         there = [arena for arena, name in FILES.items() if (folder / name).exists()]
         if not there:
             raise PolicyError(f"{folder / FILE}: there is no trained policy")
-        arena, path = ARENAS[there[0]], folder / FILES[there[0]]
+        arena, path = execution.ARENAS[there[0]], folder / FILES[there[0]]
         with np.load(path, allow_pickle=False) as file:
             header = json.loads(str(file["header"]))
             if header.get("format") != FORMAT:
                 raise PolicyError(f"{path}: is not {FORMAT} but {header.get('format')!r}")
             count = sum(name.startswith("w") for name in file.files)
-            settings = settings_of(arena.settings, header["settings"])
+            settings = execution.settings_of(arena.settings, header["settings"])
             _check_encoder(path, settings, header.get("encoder", ""))
             return cls(
                 layers=tuple((file[f"w{k}"], file[f"b{k}"]) for k in range(count)),
@@ -175,9 +164,9 @@ class Actor(Acting):
             )
 
 
-def file_of(settings: ArenaSettings) -> str:
+def file_of(settings: execution.ArenaSettings) -> str:
     """Name of the file of a policy that moves such arms."""
-    return FILES[arena_of(settings).name]
+    return FILES[execution.arena_of(settings).name]
 
 
 @dataclass(frozen=True)
@@ -187,18 +176,18 @@ class _Agent:
     policy: Acting
     rng: np.random.Generator | None
 
-    def act(self, moment: Moment) -> np.ndarray:
+    def act(self, moment: execution.Moment) -> np.ndarray:
         """Its actions."""
         return self.policy.act(moment.observations, self.rng)
 
 
-def _check_encoder(path: Path, settings: ArenaSettings, key: str) -> None:
+def _check_encoder(path: Path, settings: execution.ArenaSettings, key: str) -> None:
     """Refuse an actor that has learned from another encoder's embeddings."""
     if _encoder_key(settings) and key != _encoder_key(settings):
         raise PolicyError(f"{path}: was trained with another encoder than that of the models")
 
 
-def _encoder_key(settings: ArenaSettings) -> str:
+def _encoder_key(settings: execution.ArenaSettings) -> str:
     """Return the key of the encoder whose embeddings are observed, or an empty string."""
     if not getattr(settings, "embedding", False):
         return ""

@@ -11,14 +11,7 @@ from typing import Any
 from gcm_learn.arms import ChainJoint, ChainModel, Hand, Link
 from gcm_learn.checks import quote, show
 from gcm_learn.errors import FileFormatError, SituationError
-from gcm_learn.situation.json_records import (
-    check_names,
-    made_from,
-    members_of,
-    object_from,
-    record_from,
-    records_from,
-)
+from gcm_learn.situation import json_records
 from gcm_learn.situation.json_text import read_value
 
 ARM_FORMATS = ("gcm-learn/arm@1", "gcm-learn/arm@2")
@@ -58,21 +51,21 @@ def arm_from_json(obj: object, path: str = "") -> ChainModel:
     SituationError
         With the path of the offending field, e.g. ``"joints[1].max_speed"``.
     """
-    members = object_from(obj, path)
+    members = json_records.object_from(obj, path)
     given = members.get("format")
     if given not in ARM_FORMATS:
         field = f"{path}.format" if path else "format"
         known = " or ".join(map(quote, ARM_FORMATS))
         raise SituationError(field, f"must be {known} (got {show(given)})")
-    check_names(members, path, ChainModel, extra=("format",), optional=("name",))
+    json_records.check_names(members, path, ChainModel, extra=("format",), optional=("name",))
     values: dict[str, Any] = {"name": "", **members}
     del values["format"]
     inside = f"{path}." if path else ""
     for field, record in (("joints", ChainJoint), ("links", Link)):
         absent = NEW[record] if given == ARM_FORMATS[0] else ()
-        values[field] = records_from(record, values[field], f"{inside}{field}", absent)
-    values["hand"] = record_from(Hand, values["hand"], f"{inside}hand")
-    return made_from(ChainModel, values, path)
+        values[field] = json_records.records_from(record, values[field], f"{inside}{field}", absent)
+    values["hand"] = json_records.record_from(Hand, values["hand"], f"{inside}hand")
+    return json_records.made_from(ChainModel, values, path)
 
 
 def arm_to_json(model: ChainModel) -> dict[str, Any]:
@@ -85,7 +78,7 @@ def arm_to_json(model: ChainModel) -> dict[str, Any]:
         for record in (*model.joints, *model.links)
         for name in NEW[type(record)]
     )
-    return {"format": ARM_FORMATS[newer], **members_of(model)}
+    return {"format": ARM_FORMATS[newer], **json_records.members_of(model)}
 
 
 def arm_names() -> tuple[str, ...]:

@@ -9,17 +9,9 @@ from typing import Any
 
 from gcm_learn.arms import CHAIN, OTHER_ARMS, PLANAR, Arm, Base, ByKind, Chain, Kind
 from gcm_learn.errors import SituationError
+from gcm_learn.situation import json_records
 from gcm_learn.situation.arm_files import arm_to_json, model_from
 from gcm_learn.situation.formats import Format
-from gcm_learn.situation.json_records import (
-    check_names,
-    kind_from,
-    made_from,
-    members_of,
-    normalised_units,
-    object_from,
-    record_from,
-)
 
 
 @dataclass(frozen=True)
@@ -38,7 +30,7 @@ class Reading:
 
     def near(self, obj: object) -> object:
         """Return an object with its unit vectors normalised, where the format allows for it."""
-        return normalised_units(obj) if self.format.normalises else obj
+        return json_records.normalised_units(obj) if self.format.normalises else obj
 
 
 ArmReader = Callable[[type[Any], object, str, Reading], Any]
@@ -59,7 +51,7 @@ def _kind_in(obj: object, path: str, known: tuple[Kind, ...]) -> Kind:
     """Return the kind that an arm names; planar arms name none."""
     if known == (PLANAR,):
         return PLANAR
-    name = kind_from(obj, path, [kind.name for kind in known])
+    name = json_records.kind_from(obj, path, [kind.name for kind in known])
     return next(kind for kind in known if kind.name == name)
 
 
@@ -68,26 +60,28 @@ def _planar(arm: type[Arm], obj: object, path: str, reading: Reading) -> Arm:
         if isinstance(obj, dict) and name in obj and "kind" not in obj:
             reason = f"is not for planar arms, which have a hand and 2 joints; {OTHER_ARMS}"
             raise SituationError(f"{path}.{name}", reason)
-    return record_from(arm, obj, path)
+    return json_records.record_from(arm, obj, path)
 
 
 def _on_base(arm: type[Any], obj: object, path: str, reading: Reading) -> Any:
-    return made_from(arm, _based(arm, obj, path, reading), path)
+    return json_records.made_from(arm, _based(arm, obj, path, reading), path)
 
 
 def _chain(arm: type[Chain], obj: object, path: str, reading: Reading) -> Chain:
     values = _based(arm, obj, path, reading)
     values["model"] = model_from(values["model"], f"{path}.model", reading.folder)
-    return made_from(arm, values, path)
+    return json_records.made_from(arm, values, path)
 
 
 def _based(record: type, obj: object, path: str, reading: Reading) -> dict[str, Any]:
     """Return the members of an arm on a base, `kind` aside."""
-    members = object_from(obj, path)
-    check_names(members, path, record, extra=("kind",))
+    members = json_records.object_from(obj, path)
+    json_records.check_names(members, path, record, extra=("kind",))
     values = {name: value for name, value in members.items() if name != "kind"}
     if "base" in values:
-        values["base"] = record_from(Base, reading.near(values["base"]), f"{path}.base")
+        values["base"] = json_records.record_from(
+            Base, reading.near(values["base"]), f"{path}.base"
+        )
     return values
 
 
@@ -96,10 +90,10 @@ def _chain_members(arm: Chain) -> dict[str, Any]:
 
 
 def _members(arm: Any) -> dict[str, Any]:
-    return {"kind": arm.kind, **members_of(arm)}
+    return {"kind": arm.kind, **json_records.members_of(arm)}
 
 
 _READ: ByKind[ArmReader] = ByKind({PLANAR: _planar, CHAIN: _chain}, default=_on_base)
 _WRITE: ByKind[Callable[[Any], dict[str, Any]]] = ByKind(
-    {PLANAR: members_of, CHAIN: _chain_members}, default=_members
+    {PLANAR: json_records.members_of, CHAIN: _chain_members}, default=_members
 )

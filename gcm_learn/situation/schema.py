@@ -13,23 +13,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import is_dataclass
 from typing import Any
 
-from gcm_learn.arms import (
-    CHAIN,
-    ELBOWS,
-    JOINT_TYPES,
-    JOINTS,
-    PLANAR,
-    SPATIAL,
-    Arm,
-    ByKind,
-    Chain,
-    ChainJoint,
-    ChainModel,
-    Follows,
-    Hand,
-    Link,
-    SpatialArm,
-)
+from gcm_learn import arms
 from gcm_learn.checks import LARGEST
 from gcm_learn.situation.arm_files import ARM_FORMATS, NEW
 from gcm_learn.situation.body import ROLES, Approach, Body
@@ -57,23 +41,23 @@ DIALECT = "https://json-schema.org/draft/2020-12/schema"
 _POSITIVE: Schema = {"exclusiveMinimum": 0}
 _NOT_NEGATIVE: Schema = {"minimum": 0}
 _FILLED: Schema = {"minItems": 1}
-_FOUR: Schema = {"minItems": JOINTS, "maxItems": JOINTS}
+_FOUR: Schema = {"minItems": arms.JOINTS, "maxItems": arms.JOINTS}
 
 NUMBERS: dict[type, dict[str, Schema]] = {
     Situation: {"horizon": _POSITIVE},
-    Arm: dict.fromkeys(("max_hand_speed", "max_joint_speed", "upper_arm"), _POSITIVE)
+    arms.Arm: dict.fromkeys(("max_hand_speed", "max_joint_speed", "upper_arm"), _POSITIVE)
     | dict.fromkeys(("thickness", "grasp"), _NOT_NEGATIVE),
-    SpatialArm: dict.fromkeys(
+    arms.SpatialArm: dict.fromkeys(
         ("max_hand_speed", "max_joint_speed", "max_joint_acceleration"), _POSITIVE
     )
     | dict.fromkeys(("thickness", "grasp"), _NOT_NEGATIVE),
-    Chain: {"max_hand_speed": _POSITIVE, "grasp": _NOT_NEGATIVE},
-    ChainJoint: dict.fromkeys(("max_speed", "max_acceleration", "max_jerk"), _POSITIVE)
+    arms.Chain: {"max_hand_speed": _POSITIVE, "grasp": _NOT_NEGATIVE},
+    arms.ChainJoint: dict.fromkeys(("max_speed", "max_acceleration", "max_jerk"), _POSITIVE)
     | {"parent": _NOT_NEGATIVE},
-    Follows: {"joint": {"minimum": 1}},
-    Link: {"radius": _POSITIVE, "joint": _NOT_NEGATIVE},
-    Hand: {"joint": {"minimum": 1}},
-    ChainModel: {"self_collision": _NOT_NEGATIVE},
+    arms.Follows: {"joint": {"minimum": 1}},
+    arms.Link: {"radius": _POSITIVE, "joint": _NOT_NEGATIVE},
+    arms.Hand: {"joint": {"minimum": 1}},
+    arms.ChainModel: {"self_collision": _NOT_NEGATIVE},
     Approach: {"within": {"minimum": 0, "maximum": math.pi}},
     Disc: {"radius": _POSITIVE},
     Sphere: {"radius": _POSITIVE},
@@ -87,14 +71,14 @@ NUMBERS: dict[type, dict[str, Schema]] = {
 LISTS: dict[type, dict[str, Schema]] = {
     Polygon: {"vertices": {"minItems": 3}},
     Sampled: dict.fromkeys(("times", "positions", "orientations"), _FILLED),
-    SpatialArm: {"joint_range": _FOUR},
-    Chain: {"joints": _FILLED},
+    arms.SpatialArm: {"joint_range": _FOUR},
+    arms.Chain: {"joints": _FILLED},
 }
 """Lengths of lists in fields."""
 
 CHOICES: dict[type, dict[str, tuple[str, ...]]] = {
-    Arm: {"elbow": ELBOWS},
-    ChainJoint: {"type": JOINT_TYPES},
+    arms.Arm: {"elbow": arms.ELBOWS},
+    arms.ChainJoint: {"type": arms.JOINT_TYPES},
     Body: {"role": ROLES},
 }
 """Strings that are known in fields."""
@@ -157,18 +141,18 @@ def _motion(law: type) -> Schema:
 def _model(name: str) -> Schema:
     """Return the schema of a file of an arm, in the format of a name."""
     given: dict[str, Any] = {"format": {"const": name}}
-    for field, record in (("joints", ChainJoint), ("links", Link)):
+    for field, record in (("joints", arms.ChainJoint), ("links", arms.Link)):
         absent = NEW[record] if name == ARM_FORMATS[0] else ()
         given[field] = {"type": "array", "items": _object(record, absent=absent), **_FILLED}
-    return _object(ChainModel, given, required=("format",), optional=("name",))
+    return _object(arms.ChainModel, given, required=("format",), optional=("name",))
 
 
 def _planar() -> Schema:
-    return _object(Arm)
+    return _object(arms.Arm)
 
 
 def _spatial() -> Schema:
-    return _object(SpatialArm, {"kind": _kind(SpatialArm)}, required=("kind",))
+    return _object(arms.SpatialArm, {"kind": _kind(arms.SpatialArm)}, required=("kind",))
 
 
 def _chain() -> Schema:
@@ -176,12 +160,12 @@ def _chain() -> Schema:
     index = {"type": "integer", "minimum": 0}
     link = [{"anyOf": [index, {"type": "string"}]}, {"type": "string"}]
     given = {
-        "kind": _kind(Chain),
+        "kind": _kind(arms.Chain),
         "model": {"anyOf": [{"type": "string"}, *map(_model, ARM_FORMATS)]},
         "max_acceleration": {"anyOf": [numbers, {"type": "null"}]},
         "ignore": {"type": "array", "items": {"type": "array", "prefixItems": link, **_pair()}},
     }
-    return _object(Chain, given, required=("kind",))
+    return _object(arms.Chain, given, required=("kind",))
 
 
 def _pair() -> Schema:
@@ -261,4 +245,6 @@ def _number(bounds: Schema) -> Schema:
     return {"type": "number", "minimum": -LARGEST, "maximum": LARGEST, **bounds}
 
 
-_ARMS: ByKind[Callable[[], Schema]] = ByKind({PLANAR: _planar, SPATIAL: _spatial, CHAIN: _chain})
+_ARMS: arms.ByKind[Callable[[], Schema]] = arms.ByKind(
+    {arms.PLANAR: _planar, arms.SPATIAL: _spatial, arms.CHAIN: _chain}
+)

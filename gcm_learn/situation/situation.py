@@ -7,31 +7,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Generic
 
-from gcm_learn.arms import (
-    CHAIN,
-    PLANAR,
-    SPATIAL,
-    Arm,
-    ByKind,
-    Chain,
-    SpatialArm,
-    hand_speed,
-    is_arm,
-    kind_of,
-    unknown_obstacle,
-)
-from gcm_learn.checks import (
-    choice,
-    orthogonal,
-    positive,
-    put,
-    quote,
-    sequence,
-    show,
-    text,
-    unit_vector,
-    vector,
-)
+from gcm_learn import arms, checks
 from gcm_learn.errors import ArmKindError, SituationError
 from gcm_learn.situation.body import Body
 from gcm_learn.situation.formats import CATCHES, FORMATS
@@ -42,7 +18,7 @@ SLACK = 1e-6
 CHECKED = ("gcm-learn/situation@3",)
 """Formats in which the hand's speed at t = 0 is checked."""
 
-_RATES = ByKind({CHAIN: "rates"}, default="joint_rates")
+_RATES = arms.ByKind({arms.CHAIN: "rates"}, default="joint_rates")
 """Names of the rates at t = 0 in files."""
 
 
@@ -58,17 +34,18 @@ def check_start(arm: Any, bodies: Iterable[Body], version: str) -> None:
     """
     for k, (_, name) in enumerate(getattr(arm, "ignore", ())):
         if not any(body.name == name and body.role == "obstacle" for body in bodies):
-            raise SituationError(f"arm.ignore[{k}]", unknown_obstacle(name))
+            raise SituationError(f"arm.ignore[{k}]", arms.unknown_obstacle(name))
     rates: tuple[float, ...] = getattr(arm, "joint_rates", None) or ()
     if version in CHECKED and arm.max_hand_speed is not None and any(rates):
-        speed = hand_speed(arm, arm.joints, rates)
+        speed = arms.hand_speed(arm, arm.joints, rates)
         if speed > arm.max_hand_speed * (1.0 + SLACK):
             reason = f"move the hand at {speed:.6g} (max {arm.max_hand_speed:g})"
             raise SituationError(f"arm.{_RATES.of(arm)}", reason)
 
 
-_CALLED = ByKind(
-    {PLANAR: "planar", SPATIAL: "spatial", CHAIN: "a chain"}, default="of another kind"
+_CALLED = arms.ByKind(
+    {arms.PLANAR: "planar", arms.SPATIAL: "spatial", arms.CHAIN: "a chain"},
+    default="of another kind",
 )
 
 
@@ -90,10 +67,10 @@ class Plane:
 
     def __post_init__(self) -> None:
         """Check that the axes are orthonormal."""
-        put(self, "origin", vector(self.origin, "origin", 3))
-        put(self, "x", unit_vector(self.x, "x"))
-        put(self, "y", unit_vector(self.y, "y"))
-        orthogonal(self.x, self.y, "y", "x")
+        checks.put(self, "origin", checks.vector(self.origin, "origin", 3))
+        checks.put(self, "x", checks.unit_vector(self.x, "x"))
+        checks.put(self, "y", checks.unit_vector(self.y, "y"))
+        checks.orthogonal(self.x, self.y, "y", "x")
 
     @property
     def normal(self) -> tuple[float, float, float]:
@@ -105,7 +82,9 @@ class Plane:
 if TYPE_CHECKING:
     from typing_extensions import TypeVar  # a default makes a plain `Situation` one of the plane
 
-    ArmKind = TypeVar("ArmKind", bound=Arm | SpatialArm | Chain, default=Arm, covariant=True)
+    ArmKind = TypeVar(
+        "ArmKind", bound=arms.Arm | arms.SpatialArm | arms.Chain, default=arms.Arm, covariant=True
+    )
 else:
     from typing import TypeVar
 
@@ -149,38 +128,42 @@ class Situation(Generic[ArmKind]):
 
     def __post_init__(self) -> None:
         """Check the fields, then the bodies against each other, the format and the arm."""
-        put(self, "name", text(self.name, "name"))
-        put(self, "horizon", positive(self.horizon, "horizon"))
-        if not is_arm(self.arm):
-            raise SituationError("arm", f"must be an arm (got {show(self.arm)})")
+        checks.put(self, "name", checks.text(self.name, "name"))
+        checks.put(self, "horizon", checks.positive(self.horizon, "horizon"))
+        if not arms.is_arm(self.arm):
+            raise SituationError("arm", f"must be an arm (got {checks.show(self.arm)})")
         self._check_format()
-        if self.plane is not None and not isinstance(self.arm, Arm):
+        if self.plane is not None and not isinstance(self.arm, arms.Arm):
             raise SituationError("plane", f"is for planar arms (the arm is {_CALLED.of(self)})")
         if self.plane is not None and not isinstance(self.plane, Plane):
-            raise SituationError("plane", f"must be a plane (got {show(self.plane)})")
-        put(self, "bodies", tuple(sequence(self.bodies, "bodies", "bodies")))
+            raise SituationError("plane", f"must be a plane (got {checks.show(self.plane)})")
+        checks.put(self, "bodies", tuple(checks.sequence(self.bodies, "bodies", "bodies")))
         self._check_bodies()
         check_start(self.arm, self.bodies, self.format)
 
     def _check_format(self) -> None:
         """Fill in the format, and refuse one that does not have such an arm or catch."""
-        kind = kind_of(self.arm)
+        kind = arms.kind_of(self.arm)
         if not self.format:
-            put(self, "format", kind.formats[0])
-        put(self, "format", choice(self.format, "format", kind.formats))
+            checks.put(self, "format", kind.formats[0])
+        checks.put(self, "format", checks.choice(self.format, "format", kind.formats))
         catches = FORMATS[self.format].catches
         if self.catch in CATCHES and self.catch not in catches:
-            raise SituationError("catch", f"{quote(self.catch)} is not known to {self.format}")
-        put(self, "catch", choice(self.catch, "catch", catches))
+            raise SituationError(
+                "catch", f"{checks.quote(self.catch)} is not known to {self.format}"
+            )
+        checks.put(self, "catch", checks.choice(self.catch, "catch", catches))
 
     def _check_bodies(self) -> None:
         """Refuse duplicate names, bodies of the other dimension and scenes without a target."""
         seen: dict[str, int] = {}
         for k, body in enumerate(self.bodies):
             if not isinstance(body, Body):
-                raise SituationError(f"bodies[{k}]", f"must be a body (got {show(body)})")
+                raise SituationError(f"bodies[{k}]", f"must be a body (got {checks.show(body)})")
             if body.name in seen:
-                reason = f"{quote(body.name)} is already the name of bodies[{seen[body.name]}]"
+                reason = (
+                    f"{checks.quote(body.name)} is already the name of bodies[{seen[body.name]}]"
+                )
                 raise SituationError(f"bodies[{k}].name", reason)
             seen[body.name] = k
             self._check_dimension(body, f"bodies[{k}].shape.kind")
@@ -195,7 +178,7 @@ class Situation(Generic[ArmKind]):
 
     def _check_dimension(self, body: Body, field: str) -> None:
         """Refuse a body that does not live in the arm's space."""
-        planar_arm = isinstance(self.arm, Arm)
+        planar_arm = isinstance(self.arm, arms.Arm)
         if body.is_solid == (self.is_solid or not planar_arm):
             return
         if body.is_solid:
@@ -203,13 +186,13 @@ class Situation(Generic[ArmKind]):
         else:
             why = "situation has a plane" if planar_arm else f"arm is {_CALLED.of(self)}"
             reason = f"is planar, but the {why}"
-        raise SituationError(field, f"{quote(body.shape.kind)} {reason}")
+        raise SituationError(field, f"{checks.quote(body.shape.kind)} {reason}")
 
     def _check_known(self, body: Body, field: str) -> None:
         """Refuse motions and approaches that the format does not have."""
         known = FORMATS[self.format]
         if not isinstance(body.motion, known.motions):
-            reason = f"{quote(body.motion.kind)} is not known to {self.format}"
+            reason = f"{checks.quote(body.motion.kind)} is not known to {self.format}"
             raise SituationError(f"{field}.motion.kind", reason)
         if body.approach is not None and not known.approach:
             raise SituationError(f"{field}.approach", f"is not known to {self.format}")
@@ -232,13 +215,13 @@ class Situation(Generic[ArmKind]):
     @property
     def is_spatial(self) -> bool:
         """True if the arm moves in space."""
-        return isinstance(self.arm, SpatialArm)
+        return isinstance(self.arm, arms.SpatialArm)
 
 
-AnySituation = Situation[Arm] | Situation[SpatialArm] | Situation[Chain]
+AnySituation = Situation[arms.Arm] | Situation[arms.SpatialArm] | Situation[arms.Chain]
 
 
-def planar(situation: AnySituation, who: str) -> Situation[Arm]:
+def planar(situation: AnySituation, who: str) -> Situation[arms.Arm]:
     """Return the situation, if its arm is planar.
 
     Parameters
@@ -251,19 +234,19 @@ def planar(situation: AnySituation, who: str) -> Situation[Arm]:
     ------
     ArmKindError
     """
-    if isinstance(situation.arm, Arm):
+    if isinstance(situation.arm, arms.Arm):
         return situation
-    name, plural = quote(situation.name), kind_of(situation).plural
+    name, plural = checks.quote(situation.name), arms.kind_of(situation).plural
     raise ArmKindError(f"{who} does not take {plural} (situation {name})")
 
 
-def spatial(situation: AnySituation, who: str) -> Situation[SpatialArm]:
+def spatial(situation: AnySituation, who: str) -> Situation[arms.SpatialArm]:
     """Return the situation, if its arm is spatial; see `planar`.
 
     Raises
     ------
     ArmKindError
     """
-    if isinstance(situation.arm, SpatialArm):
+    if isinstance(situation.arm, arms.SpatialArm):
         return situation
-    raise ArmKindError(f"{who} takes spatial arms only (situation {quote(situation.name)})")
+    raise ArmKindError(f"{who} takes spatial arms only (situation {checks.quote(situation.name)})")

@@ -8,22 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from gcm_learn.arms import (
-    CHAIN,
-    SPATIAL,
-    Base,
-    ByKind,
-    Chain,
-    ChainJoint,
-    ChainModel,
-    SpatialArm,
-    forward_in_space,
-    hands_along,
-    kind_of,
-    links_along,
-    quaternion_of,
-    rotation_of,
-)
+from gcm_learn import arms
 from gcm_learn.situation import AnyArmBody, ArmBody, ChainBody, FrameMass, shipped_arm
 
 HAND = 0.5
@@ -110,10 +95,12 @@ class Mechanics:
 
 def _rested(arm: Any) -> Any:
     start: Any = tuple(low for low, _ in arm.joint_range)
-    return replace(arm, base=Base(), joints=start, joint_rates=None, max_joint_acceleration=None)
+    return replace(
+        arm, base=arms.Base(), joints=start, joint_rates=None, max_joint_acceleration=None
+    )
 
 
-def _bones(arm: SpatialArm, body: ArmBody) -> list[Segment]:
+def _bones(arm: arms.SpatialArm, body: ArmBody) -> list[Segment]:
     unturned, nowhere = (1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
     made, place = [Segment("base", -1, nowhere, unturned, None, (), ())], nowhere
     for i, (name, end) in enumerate((("upper_arm", arm.upper_arm), ("forearm", arm.forearm))):
@@ -126,7 +113,7 @@ def _bones(arm: SpatialArm, body: ArmBody) -> list[Segment]:
     return made
 
 
-def _frames(arm: Chain, body: ChainBody) -> list[Segment]:
+def _frames(arm: arms.Chain, body: ChainBody) -> list[Segment]:
     links = [
         (link.joint, Capsule(i, link.start, link.end, link.radius))
         for i, link in enumerate(arm.model.links)
@@ -149,53 +136,53 @@ def _principal(carried: FrameMass) -> Inertia:
     moments = np.maximum(moments, 0.0)
     moments[2] = min(moments[2], moments[0] + moments[1])
     axes[:, 2] *= np.sign(np.linalg.det(axes))
-    turn = tuple(np.asarray(quaternion_of(axes)).tolist())
+    turn = tuple(np.asarray(arms.quaternion_of(axes)).tolist())
     return Inertia(carried.mass, carried.centre, turn, tuple(moments.tolist()))
 
 
-def _end_of_forearm(arm: SpatialArm) -> tuple[int, tuple[float, ...], float]:
+def _end_of_forearm(arm: arms.SpatialArm) -> tuple[int, tuple[float, ...], float]:
     return 2, arm.forearm, min(HAND * arm.grasp, arm.thickness)
 
 
-def _hand_of_chain(arm: Chain) -> tuple[int, tuple[float, ...], float]:
+def _hand_of_chain(arm: arms.Chain) -> tuple[int, tuple[float, ...], float]:
     hand = arm.model.hand
     radii = [link.radius for link in arm.model.links]
     return hand.joint, hand.point, min(HAND * arm.grasp, *radii)
 
 
-def _metric_of_chain(arm: Chain, metres: float) -> np.ndarray:
+def _metric_of_chain(arm: arms.Chain, metres: float) -> np.ndarray:
     return _metric(arm.model.coordinates, metres)
 
 
-def _metric(joints: Sequence[ChainJoint], metres: float) -> np.ndarray:
+def _metric(joints: Sequence[arms.ChainJoint], metres: float) -> np.ndarray:
     return np.array([metres if joint.type == "prismatic" else 1.0 for joint in joints])
 
 
-def _lines_of_chain(arm: Chain, metres: float) -> tuple[np.ndarray, np.ndarray]:
+def _lines_of_chain(arm: arms.Chain, metres: float) -> tuple[np.ndarray, np.ndarray]:
     every, offsets = _metric(arm.model.joints, metres), [line.offset for line in arm.model.lines]
     return arm.model.factors * every[:, None] / _metric_of_chain(arm, metres), every * offsets
 
 
-def _elbow_and_hand(arm: SpatialArm, joints: np.ndarray) -> np.ndarray:
-    return np.stack(forward_in_space(arm, joints), axis=1)
+def _elbow_and_hand(arm: arms.SpatialArm, joints: np.ndarray) -> np.ndarray:
+    return np.stack(arms.forward_in_space(arm, joints), axis=1)
 
 
-def _ends_and_hand(arm: Chain, joints: np.ndarray) -> np.ndarray:
+def _ends_and_hand(arm: arms.Chain, joints: np.ndarray) -> np.ndarray:
     """Points of a capsule stray no farther than the farther of its ends."""
-    ends, _ = links_along(arm, joints)
-    hand, _ = hands_along(arm, joints)
+    ends, _ = arms.links_along(arm, joints)
+    hand, _ = arms.hands_along(arm, joints)
     return np.concatenate([ends.reshape(len(joints), -1, 3), hand[:, None]], axis=1)
 
 
-def _other_joints(arm: Chain, name: str) -> str:
+def _other_joints(arm: arms.Chain, name: str) -> str:
     same = same_joints(arm.model, shipped_arm(name))
     return "" if same else "joints: differ from the shipped arm's"
 
 
-def same_joints(one: ChainModel, other: ChainModel) -> bool:
+def same_joints(one: arms.ChainModel, other: arms.ChainModel) -> bool:
     """Return whether joints of two models move their frames alike, whatever their limits."""
     numbers = [
-        np.array([[*joint.origin, *rotation_of(joint.rotation).ravel(), *joint.axis]
+        np.array([[*joint.origin, *arms.rotation_of(joint.rotation).ravel(), *joint.axis]
                   for joint in model.joints])
         for model in (one, other)
     ]  # fmt: skip
@@ -206,9 +193,9 @@ def same_joints(one: ChainModel, other: ChainModel) -> bool:
     return types[0] == types[1] and bool(np.abs(numbers[0] - numbers[1]).max() <= EQUAL)
 
 
-MECHANICS = ByKind(
+MECHANICS = arms.ByKind(
     {
-        SPATIAL: Mechanics(
+        arms.SPATIAL: Mechanics(
             rested=_rested,
             segments=_bones,
             hand=_end_of_forearm,
@@ -221,7 +208,7 @@ MECHANICS = ByKind(
             stranger=lambda arm, name: "",
             points=_elbow_and_hand,
         ),
-        CHAIN: Mechanics(
+        arms.CHAIN: Mechanics(
             rested=_rested,
             segments=_frames,
             hand=_hand_of_chain,
@@ -244,7 +231,7 @@ def misfit(arm: Any, body: AnyArmBody) -> str:
     """Say in a sentence why a body is not one of an arm; empty if it is."""
     wanted = MECHANICS.of(arm).format
     if body.format != wanted:
-        return f"is of format {body.format}, and {kind_of(arm).plural} need {wanted}"
+        return f"is of format {body.format}, and {arms.kind_of(arm).plural} need {wanted}"
     fitting: Any = body
     return str(fitting.misfit(arm))
 
@@ -257,6 +244,6 @@ def strongest(arm: Any, body: AnyArmBody) -> np.ndarray:
 
 def rested(arm: Any, body: AnyArmBody) -> tuple[Any, Any]:
     """Return arm and body in the frame of the base: at rest, gravity turned."""
-    pull: Any = rotation_of(arm.base.rotation).T @ np.array(body.gravity)
+    pull: Any = arms.rotation_of(arm.base.rotation).T @ np.array(body.gravity)
     still = MECHANICS.of(arm).rested(arm)
     return still, replace(body, gravity=tuple(pull.round(12).tolist()))

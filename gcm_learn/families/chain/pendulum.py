@@ -7,20 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from gcm_learn.families import ranges
 from gcm_learn.families.chain.family import ChainFamily, Story, aimed, on_the_way
 from gcm_learn.families.chain.stage import Stage, Way
 from gcm_learn.families.pendulum import swing_through
-from gcm_learn.families.ranges import (
-    Counts,
-    Range,
-    counts,
-    number,
-    pick,
-    pick_angle,
-    pick_count,
-    pick_sign,
-    span,
-)
 from gcm_learn.families.space.pendulum import ball_on_cord
 from gcm_learn.families.space.solids import axes_along, solid, triple
 from gcm_learn.situation import Body, Box, Pendulum, Sphere
@@ -33,23 +23,23 @@ class PendulumChain(ChainFamily):
     name = "pendulum-chain"
     summary = "a ball on a cord, among heavier balls on cords and boxes at rest"
 
-    length: Range = span(0.2, 0.65, 0.01)
+    length: ranges.Range = ranges.span(0.2, 0.65, 0.01)
     """From pivot to ball [reaches]."""
-    amplitude: Range = span(0.2, 0.9, 0.01, 1.5)
+    amplitude: ranges.Range = ranges.span(0.2, 0.9, 0.01, 1.5)
     """Largest angle of swings [rad]."""
-    phase: Range = span(-0.9, 0.9, -0.99, 0.99)
+    phase: ranges.Range = ranges.span(-0.9, 0.9, -0.99, 0.99)
     """Angle at the place of a ball's meeting [amplitudes]."""
-    cords: float = number(0.4)
+    cords: float = ranges.number(0.4)
     """Share of targets whose cord must not be touched."""
-    cord: Range = span(0.004, 0.008, 1e-4)
+    cord: ranges.Range = ranges.span(0.004, 0.008, 1e-4)
     """Radius of cords [reaches]."""
-    heavy: Counts = counts(1, 3)
+    heavy: ranges.Counts = ranges.counts(1, 3)
     """Number of other balls."""
-    bob: Range = span(0.045, 0.09, 1e-3)
+    bob: ranges.Range = ranges.span(0.045, 0.09, 1e-3)
     """Radius of these [reaches]."""
-    boxes: Counts = counts(1, 2)
+    boxes: ranges.Counts = ranges.counts(1, 2)
     """Number of boxes at rest."""
-    box: Range = span(0.04, 0.12, 1e-3)
+    box: ranges.Range = ranges.span(0.04, 0.12, 1e-3)
     """Half their sides [reaches]."""
 
     def story(self, rng: np.random.Generator, stage: Stage) -> Story:
@@ -60,18 +50,20 @@ class PendulumChain(ChainFamily):
             swing, stage.size(rng, self.target), stage.size(rng, self.cord), "target"
         )
         bodies = [ball, cord] if rng.random() < self.cords else [ball]
-        bodies += aimed(rng, stage, way, self._box, pick_count(rng, self.boxes))
-        bodies += aimed(rng, stage, way, self._bob, pick_count(rng, self.heavy))
+        bodies += aimed(rng, stage, way, self._box, ranges.pick_count(rng, self.boxes))
+        bodies += aimed(rng, stage, way, self._bob, ranges.pick_count(rng, self.heavy))
         return Story(way, tuple(bodies))
 
     def _swing(
         self, rng: np.random.Generator, stage: Stage, place: np.ndarray, when: float
     ) -> Pendulum:
         """The swing of a body that is at a place (3,) at a time [s]."""
-        length, amplitude = stage.size(rng, self.length), pick(rng, self.amplitude)
-        angle, heading = pick(rng, self.phase) * amplitude, pick_angle(rng)
+        length, amplitude = stage.size(rng, self.length), ranges.pick(rng, self.amplitude)
+        angle, heading = ranges.pick(rng, self.phase) * amplitude, ranges.pick_angle(rng)
         stiffness = stage.gravity / length
-        rate = pick_sign(rng) * math.sqrt(2.0 * stiffness * (math.cos(angle) - math.cos(amplitude)))
+        rate = ranges.pick_sign(rng) * math.sqrt(
+            2.0 * stiffness * (math.cos(angle) - math.cos(amplitude))
+        )
         along = (math.cos(heading), math.sin(heading), 0.0)
         return swing_through(triple(place), along, when, stage.gravity, length, (angle, rate))
 
@@ -83,6 +75,6 @@ class PendulumChain(ChainFamily):
     def _box(self, rng: np.random.Generator, stage: Stage, way: Way, k: int) -> Body:
         place, _ = on_the_way(rng, stage, way)
         x, y, z = (stage.size(rng, self.box) for _ in range(3))
-        angle = pick_angle(rng)
+        angle = ranges.pick_angle(rng)
         axes = axes_along((0.0, 0.0, 1.0), (math.cos(angle), math.sin(angle), 0.0))
         return solid(f"box {k + 1}", Box((x, y, z)), place, axes)

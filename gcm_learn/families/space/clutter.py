@@ -9,22 +9,14 @@ import numpy as np
 
 from gcm_learn.families.layout import TRIES
 from gcm_learn.families.ranges import Counts, Range, counts, number, pick, pick_count, span
-from gcm_learn.families.space.family import (
-    SpatialFamily,
-    Story,
-    Things,
-    across,
-    aimed,
-    fits,
-    leaving,
-)
+from gcm_learn.families.space import family
 from gcm_learn.families.space.solids import UP, axes_along, flight, moved, solid, unit_vector
 from gcm_learn.families.space.stage import Stage, Way
 from gcm_learn.situation import Body, Box, Capsule
 
 
 @dataclass(frozen=True)
-class StaticClutterSpace(SpatialFamily):
+class StaticClutterSpace(family.SpatialFamily):
     """Bodies at rest: boards, bars and balls stand across the arm's straight way.
 
     It asks for a way round: over an edge of a board, or with the arm drawn in.
@@ -35,21 +27,23 @@ class StaticClutterSpace(SpatialFamily):
 
     obstacles: Counts = counts(2, 5)
     """Number of obstacles."""
-    things: Things = field(default_factory=Things)
+    things: family.Things = field(default_factory=family.Things)
     share: Range = span(0.25, 0.8, most=1.0)
     """Places on the way at which they stand, as shares of it."""
 
-    def story(self, rng: np.random.Generator, stage: Stage) -> Story:
+    def story(self, rng: np.random.Generator, stage: Stage) -> family.Story:
         """A ball at rest, and what stands in the way."""
         way = stage.way(rng, self.takes)
         bodies = [self.ball(rng, way.meet)]
         for k in range(pick_count(rng, self.obstacles)):
-            bodies.append(aimed(rng, stage, way, self.things, self.share, f"{k + 1}", way.takes))
-        return Story(way, way.takes, tuple(bodies))
+            bodies.append(
+                family.aimed(rng, stage, way, self.things, self.share, f"{k + 1}", way.takes)
+            )
+        return family.Story(way, way.takes, tuple(bodies))
 
 
 @dataclass(frozen=True)
-class CrossingSwarmSpace(SpatialFamily):
+class CrossingSwarmSpace(family.SpatialFamily):
     """Long bars and boards cross the way with one heading, each at its own time.
 
     It asks for a gap in the stream: go before, after or between, or stand still until it has
@@ -61,7 +55,7 @@ class CrossingSwarmSpace(SpatialFamily):
 
     obstacles: Counts = counts(3, 6)
     """Number of obstacles."""
-    things: Things = field(default_factory=lambda: Things(boards=0.5, bars=0.4))
+    things: family.Things = field(default_factory=lambda: family.Things(boards=0.5, bars=0.4))
     share: Range = span(0.25, 0.9, most=1.0)
     """Places on the way at which they cross, as shares of it."""
     speed: Range = span(0.4, 1.6)
@@ -73,20 +67,20 @@ class CrossingSwarmSpace(SpatialFamily):
     drift: Range = span(0.0, 0.4)
     """Speed of the target [forearms/s]."""
 
-    def story(self, rng: np.random.Generator, stage: Stage) -> Story:
+    def story(self, rng: np.random.Generator, stage: Stage) -> family.Story:
         """A ball that drifts, and the swarm."""
         way = stage.way(rng, self.takes)
         drift = pick(rng, self.drift) * unit_vector(rng.normal(size=3))
         bodies = [self.ball(rng, way.meet, way.takes, drift)]
-        _, axes = across(rng, stage, way, 0.5)
+        _, axes = family.across(rng, stage, way, 0.5)
         heading = unit_vector(axes[:, 1] + 0.7 * rng.normal(size=3))
         for k in range(pick_count(rng, self.obstacles)):
             for _ in range(TRIES):
                 member = self._member(rng, stage, way, heading, f"{k + 1}")
-                if fits(stage, way, way.takes, (member,)):
+                if family.fits(stage, way, way.takes, (member,)):
                     break
             bodies.append(member)
-        return Story(way, way.takes, tuple(bodies))
+        return family.Story(way, way.takes, tuple(bodies))
 
     def _member(
         self, rng: np.random.Generator, stage: Stage, way: Way, heading: np.ndarray, name: str
@@ -94,7 +88,7 @@ class CrossingSwarmSpace(SpatialFamily):
         """Something that crosses the way when the limb is there, or a little later."""
         kind, shape = self.things.shape(rng)
         share = pick(rng, self.share)
-        place, axes = across(rng, stage, way, share)
+        place, axes = family.across(rng, stage, way, share)
         when = share * way.takes + pick(rng, self.delay) * stage.horizon
         sideways = unit_vector(np.cross(heading, rng.normal(size=3)))
         angle = pick(rng, self.spread)
@@ -104,7 +98,7 @@ class CrossingSwarmSpace(SpatialFamily):
 
 
 @dataclass(frozen=True)
-class BehindPostSpace(SpatialFamily):
+class BehindPostSpace(family.SpatialFamily):
     """A tall post stands between hand and ball, and moves: with the ball, or on past it.
 
     One that goes on past the ball is where the arm must be until it has left; the arm has to wait
@@ -133,11 +127,11 @@ class BehindPostSpace(SpatialFamily):
     """Half the height [forearms]."""
     drift: Range = span(0.0, 0.6)
     """Speed of the target [forearms/s]."""
-    things: Things = field(default_factory=Things)
+    things: family.Things = field(default_factory=family.Things)
     others: Counts = counts(0, 2)
     """Number of other bodies, at rest across the way."""
 
-    def story(self, rng: np.random.Generator, stage: Stage) -> Story:
+    def story(self, rng: np.random.Generator, stage: Stage) -> family.Story:
         """The ball, the post, others."""
         way = stage.way(rng, self.takes)
         _, start = stage.limb(way.start)
@@ -149,13 +143,13 @@ class BehindPostSpace(SpatialFamily):
         if passes:
             course = unit_vector(way.meet - start)
             ahead = float(course @ (way.meet - flight(post).position))
-            post = leaving(stage, way, post, course, when, max(ahead, 0.0))
+            post = family.leaving(stage, way, post, course, when, max(ahead, 0.0))
         else:
             post = moved(post, 0.0, 0.5 * drift)
         bodies = [target, post]
         for k in range(pick_count(rng, self.others)):
-            bodies.append(aimed(rng, stage, way, self.things, (0.2, 0.9), f"{k + 1}", when))
-        return Story(way, when, tuple(bodies))
+            bodies.append(family.aimed(rng, stage, way, self.things, (0.2, 0.9), f"{k + 1}", when))
+        return family.Story(way, when, tuple(bodies))
 
     def _post(self, rng: np.random.Generator, start: np.ndarray, meet: np.ndarray) -> Body:
         """A post between the directions of two hands."""

@@ -13,16 +13,8 @@ from gcm_learn.arms import SpatialArm
 from gcm_learn.families.family import TINY, Family
 from gcm_learn.families.layout import TRIES
 from gcm_learn.families.ranges import Range, Ranges, number, pick, pick_angle, span
+from gcm_learn.families.space import solids
 from gcm_learn.families.space.arms import SpatialArmRanges
-from gcm_learn.families.space.solids import (
-    STILL,
-    axes_along,
-    crossed,
-    flight,
-    moved,
-    solid,
-    unit_vector,
-)
 from gcm_learn.families.space.stage import CHECKS, Stage, Way, stage_of
 from gcm_learn.situation import Body, Box, Capsule, Cylinder, Situation, SolidShape, Sphere
 
@@ -114,13 +106,13 @@ class SpatialFamily(Family):
         rng: np.random.Generator,
         meet: np.ndarray,
         when: float = 0.0,
-        velocity: np.ndarray = STILL,
-        pull: np.ndarray = STILL,
+        velocity: np.ndarray = solids.STILL,
+        pull: np.ndarray = solids.STILL,
         radius: float | None = None,
     ) -> Body:
         """The target: a ball that is at `meet` (3,) at a time; its velocity is that at t = 0."""
         size = pick(rng, self.target) if radius is None else radius
-        return solid("target", Sphere(size), meet, when=when, velocity=velocity, pull=pull)
+        return solids.solid("target", Sphere(size), meet, when=when, velocity=velocity, pull=pull)
 
 
 def through(stage: Stage, radius: float) -> float:
@@ -178,15 +170,15 @@ def across(
     limbs = stage.points(np.stack([way.at(share), way.at(share + STEP)]))
     k = int(rng.integers(INNER, OUTER + 1))
     place, motion = limbs[0, k], limbs[1, k] - limbs[0, k]
-    along = unit_vector(place)
-    return place, axes_along(crossed(along, motion), along)
+    along = solids.unit_vector(place)
+    return place, solids.axes_along(solids.crossed(along, motion), along)
 
 
 def leaning(rng: np.random.Generator, axes: np.ndarray, angle: float) -> np.ndarray:
     """Axes (3, 3) whose z axis leans to some side by an angle [rad]."""
     side = pick_angle(rng)
     sideways = np.cos(side) * axes[:, 0] + np.sin(side) * axes[:, 1]
-    return axes_along(np.cos(angle) * axes[:, 2] + np.sin(angle) * sideways, axes[:, 0])
+    return solids.axes_along(np.cos(angle) * axes[:, 2] + np.sin(angle) * sideways, axes[:, 0])
 
 
 def aimed(
@@ -205,7 +197,9 @@ def aimed(
     for _ in range(TRIES):
         kind, shape = things.shape(rng)
         place, axes = across(rng, stage, way, pick(rng, share))
-        body = solid(f"{kind} {name}", shape, place, leaning(rng, axes, pick(rng, things.lean)))
+        body = solids.solid(
+            f"{kind} {name}", shape, place, leaning(rng, axes, pick(rng, things.lean))
+        )
         if fits(stage, way, when, (body,)):
             break
     return body
@@ -235,7 +229,7 @@ def leaving(
         How far it goes at least until then [forearms].
     """
     for far in np.arange(least + SEARCHED, least + FARTHEST, SEARCHED):
-        moving = moved(body, 0.0, flight(body).velocity, 2.0 * far / when**2 * course)
+        moving = solids.moved(body, 0.0, solids.flight(body).velocity, 2.0 * far / when**2 * course)
         if stage.room(way.end, (moving,), when) > 0.0:
             break
     return moving
@@ -246,8 +240,8 @@ def sentry(rng: np.random.Generator, stage: Stage, way: Way, radius: Range, when
     for _ in range(TRIES):
         size = pick(rng, radius)
         shape = Sphere(size) if rng.random() < 0.5 else Box((size, size, size))
-        place = way.meet + 0.3 * size * unit_vector(rng.normal(size=3))
-        body = solid("block", shape, place, axes_along(rng.normal(size=3)))
+        place = way.meet + 0.3 * size * solids.unit_vector(rng.normal(size=3))
+        body = solids.solid("block", shape, place, solids.axes_along(rng.normal(size=3)))
         if stage.room(way.start, (body,)) > 0.0:
             break
-    return leaving(stage, way, body, unit_vector(rng.normal(size=3)), when)
+    return leaving(stage, way, body, solids.unit_vector(rng.normal(size=3)), when)

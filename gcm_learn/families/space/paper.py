@@ -12,15 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from gcm_learn.arms import SpatialArm
-from gcm_learn.families.paper import (
-    BALL_DIAMETER,
-    BOX_DISTANCE,
-    BOX_SIZE,
-    CORD_RADIUS,
-    HAND_SPEED,
-    fig5,
-    pendulum_of,
-)
+from gcm_learn.families import paper
 from gcm_learn.families.space.arms import HUMAN, NAO, arm_of
 from gcm_learn.situation import Body, Box, Capsule, Situation, SolidQuadratic, Sphere
 
@@ -34,8 +26,8 @@ def fig5_space() -> Situation[SpatialArm]:
     Bar, ball, gravity and the limit of the hand's speed are as in the plane. The bar ends to
     either side, so that there is a way round its ends as well.
     """
-    arm = replace(arm_of(HUMAN, np.array(RAISED)), max_hand_speed=HAND_SPEED)
-    planar = fig5()
+    arm = replace(arm_of(HUMAN, np.array(RAISED)), max_hand_speed=paper.HAND_SPEED)
+    planar = paper.fig5()
     return Situation("fig5-space", planar.horizon, arm, planar.bodies)
 
 
@@ -45,15 +37,15 @@ def fig8_space() -> Situation[SpatialArm]:
     The arm hangs down behind the box; the ball swings past over it. The hand has to be led up along
     the box, and round its edge.
     """
-    swing = pendulum_of(1.0, NAO.height)
-    depth, width, height = BOX_SIZE
-    middle = (BOX_DISTANCE + depth / 2, 0.0, height / 2 - NAO.height)
-    radius, pivot = BALL_DIAMETER / 2, swing(0.0)
+    swing = paper.pendulum_of(1.0, NAO.height)
+    depth, width, height = paper.BOX_SIZE
+    middle = (paper.BOX_DISTANCE + depth / 2, 0.0, height / 2 - NAO.height)
+    radius, pivot = paper.BALL_DIAMETER / 2, swing(0.0)
     cord = pivot.length - radius
     box = SolidQuadratic(middle, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
     bodies = (
         Body("target", "ball", Sphere(radius), swing(pivot.length)),
-        Body("obstacle", "cord", Capsule(CORD_RADIUS, cord / 2), swing(cord / 2)),
+        Body("obstacle", "cord", Capsule(paper.CORD_RADIUS, cord / 2), swing(cord / 2)),
         Body("obstacle", "box", Box((depth / 2, width / 2, height / 2)), box),
     )
     return Situation("fig8-space", 1.2, arm_of(NAO, np.array(HANGING)), bodies)

@@ -10,15 +10,8 @@ from typing import NamedTuple
 import numpy as np
 
 from gcm_learn.families.ranges import Range, number, pick, pick_sign, span
+from gcm_learn.families.space import solids
 from gcm_learn.families.space.family import SpatialFamily, Story, leaving, through
-from gcm_learn.families.space.solids import (
-    UP,
-    axes_along,
-    moved,
-    solid,
-    triple,
-    unit_vector,
-)
 from gcm_learn.families.space.stage import Stage, Way
 from gcm_learn.situation import Body, Box, Pendulum
 
@@ -44,7 +37,7 @@ class Wall(NamedTuple):
     def board(self, name: str, u: float, v: float, w: float, wide: float, high: float) -> Body:
         """A board parallel to the wall, its middle at (u, v, w) in the wall's axes."""
         place = self.middle + self.axes @ (u, v, w)
-        return solid(name, Box((wide, high, THICK)), place, self.axes)
+        return solids.solid(name, Box((wide, high, THICK)), place, self.axes)
 
     def boards(self) -> tuple[Body, ...]:
         """The wall: boards to both sides of the opening, over and under it."""
@@ -97,7 +90,7 @@ class WallFamily(SpatialFamily):
         """A wall, a start before it and an end `past` it, whose forearm is in the opening."""
         heading, slope = pick(rng, self.heading), pick(rng, self.slope)
         level = np.array([math.cos(heading), math.sin(heading), 0.0])
-        normal = math.cos(slope) * level + math.sin(slope) * UP
+        normal = math.cos(slope) * level + math.sin(slope) * solids.UP
         distance = max(pick(rng, self.distance), stage.thickness + 2.0 * THICK)
         heights = stage.points(stage.joints) @ normal - distance
         elbow, hand = stage.limb(stage.joints)
@@ -108,7 +101,7 @@ class WallFamily(SpatialFamily):
         elbow, _ = stage.limb(way.end)
         bone = way.meet - elbow
         middle = elbow + bone * (distance - elbow @ normal) / (bone @ normal)
-        axes = axes_along(normal, np.cross(UP, normal))
+        axes = solids.axes_along(normal, np.cross(solids.UP, normal))
         lean = np.abs(bone @ axes[:, :2]) / abs(bone @ normal)
         wide, high = (
             stage.thickness * math.hypot(1.0, s) + s * THICK + pick(rng, self.slack) for s in lean
@@ -147,7 +140,7 @@ class WindowSpace(WallFamily):
         if kind < self.opening:
             return (leaving(stage, way, shutter, slide, opens),), opens
         closed, way_off = pick(rng, self.closes) * way.takes, 2.0 * (size + THICK)
-        return (moved(shutter, closed, velocity=way_off / closed * slide),), way.takes
+        return (solids.moved(shutter, closed, velocity=way_off / closed * slide),), way.takes
 
 
 @dataclass(frozen=True)
@@ -172,13 +165,13 @@ class DoorSpace(WallFamily):
         sizes = (wall.wide + THICK, wall.high + THICK)
         across = side * wall.axes[:, k]
         # Turned about `axis` the door's free edge goes along the normal, away from the arm.
-        axis = unit_vector(np.cross(across, wall.axes[:, 2]))
+        axis = solids.unit_vector(np.cross(across, wall.axes[:, 2]))
         rate, first = CREEPS / opens, math.tan(0.5 * WIDE_OPEN) * math.exp(-CREEPS)
         damping = 6.0 * rate
         motion = Pendulum(
-            pivot=triple(wall.middle + 3.0 * THICK * wall.axes[:, 2] - sizes[k] * across),
-            axis=triple(axis),
-            down=triple(axis * (axis @ across) - across),
+            pivot=solids.triple(wall.middle + 3.0 * THICK * wall.axes[:, 2] - sizes[k] * across),
+            axis=solids.triple(axis),
+            down=solids.triple(axis * (axis @ across) - across),
             length=sizes[k],
             gravity=rate * damping * sizes[k],
             angle=2.0 * math.atan(first) - math.pi,
