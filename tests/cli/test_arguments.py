@@ -8,6 +8,7 @@ import sys
 import pytest
 
 import gcm_learn
+from gcm_learn import planner_names
 from gcm_learn.cli import main
 from gcm_learn.cli.arguments import COMMANDS, OLD
 from gcm_learn.cli.options import seconds
@@ -23,8 +24,10 @@ MISTAKES = [
     ("inspect nothing", "gcm-learn: nothing: cannot be read (No such file or directory)"),
     ("train policy no.yml --out x", "gcm-learn: no.yml: cannot be read"),
     ("memory make nothing --out x", "gcm-learn: nothing: cannot be read"),
+    ("solve .", "gcm-learn: .: cannot be read"),
     ("solve nofile.json", "gcm-learn: nofile.json: cannot be read"),
     ("solve a.json --planner layred", "did you mean 'layered'?"),
+    ("solve a.json --planner magic", f"'magic' is not one of {', '.join(planner_names())}"),
     ("solve a.json --colour red", "--colour"),
     ("solve a.json --planer gcm", "did you mean --planner?"),
     ("solve a.json b.json", "b.json"),

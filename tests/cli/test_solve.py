@@ -16,7 +16,6 @@ from gcm_learn.cli import main
 from gcm_learn.compiled import NOTICE
 from gcm_learn.errors import StopError
 from gcm_learn.families import paper_scene
-from gcm_learn.planners.registry import planner_names
 from gcm_learn.situation import write_situations
 from tests.extras import planner_params
 
@@ -98,21 +97,6 @@ def test_what_is_not_a_situation_is_refused(text, tmp_path, planner, capsys):
     assert main(["solve", str(path)]) == 2
     stdout, stderr = capsys.readouterr()
     assert stdout == "" and stderr.count("\n") == 1 and "scene.json" in stderr
-
-
-@pytest.mark.parametrize("name", ["missing.jsonl", "", "folder.json"])
-def test_a_file_that_cannot_be_read(name, tmp_path, planner, capsys):
-    (tmp_path / "folder.json").mkdir()
-    assert main(["solve", str(tmp_path / name)]) == 2
-    stdout, stderr = capsys.readouterr()
-    assert stdout == "" and stderr.count("\n") == 1 and str(tmp_path) in stderr
-
-
-def test_unknown_planner_lists_the_known(scene_file, scene, capsys):
-    assert main(["solve", str(scene_file(scene())), "--planner", "magic"]) == 2
-    stdout, stderr = capsys.readouterr()
-    assert stdout == "" and stderr.count("\n") == 1
-    assert "magic" in stderr and all(name in stderr for name in planner_names())
 
 
 def test_out_takes_everything(scene_file, scene, planner, tmp_path, capsys):
