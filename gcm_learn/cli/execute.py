@@ -7,6 +7,7 @@ import json
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
 
@@ -135,11 +136,13 @@ class Execute:
         from gcm_learn.errors import ArmKindError, PolicyError
         from gcm_learn.evaluation import ActorMethod, get_method
         from gcm_learn.execution import Planning
+        from gcm_learn.planners import takes
 
         method: Any = get_method(name)
         if not isinstance(method, ActorMethod):
             mind = Planning(method.planner, self.replan) if self.noise else None
-            return Who(method.planner.name, method.takes, method.planner, mind)
+            taking = partial(takes, method.planner)
+            return Who(method.planner.name, taking, method.planner, mind)
         if self.replan == "once":
             raise CommandFailure("--replan once: a policy acts anew in every period")
         try:
