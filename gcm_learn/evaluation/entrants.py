@@ -11,6 +11,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from gcm_learn import policies
 from gcm_learn.arms import Kind, kind_of
 from gcm_learn.errors import SuiteError, UnknownNameError
 from gcm_learn.evaluation.machine import spent
@@ -31,16 +32,6 @@ from gcm_learn.planners import (
     source_of,
     summary_of,
     taken,
-)
-from gcm_learn.policies import (
-    Acting,
-    Actor,
-    acted,
-    actor_folder,
-    all_actor_names,
-    is_actor,
-    own_policy,
-    shipped_actor,
 )
 from gcm_learn.processes import OutOfTime, time_limit
 from gcm_learn.recall import MANIFEST, Memory, with_memory
@@ -86,7 +77,7 @@ class ActorMethod:
     """A policy that acts step by step, its most likely action each time; nothing is promised."""
 
     name: str
-    actor: Acting
+    actor: policies.Acting
 
     def takes(self, kind: Kind) -> bool:
         """Return whether the actor moves arms of a kind."""
@@ -100,7 +91,7 @@ class ActorMethod:
     def answer(self, situation: AnySituation) -> Answer:
         """Play an episode."""
         since = spent()
-        outcome, moves, steps = acted(self.actor, situation)
+        outcome, moves, steps = policies.acted(self.actor, situation)
         ms = 1e3 * (spent() - since) / max(steps, 1)
         names = [target.name for target in situation.targets] if outcome == "caught" else [None]
         status: Any = "caught" if outcome == "caught" else "unreachable"
@@ -274,22 +265,22 @@ def get_method(given: Any, name: str = "", limit: float | None = LIMIT) -> Metho
     """
     told = name or (given if isinstance(given, str) else name_of(given))
     if isinstance(given, str):
-        if given in all_actor_names():
-            return ActorMethod(told, shipped_actor(given))
+        if given in policies.all_actor_names():
+            return ActorMethod(told, policies.shipped_actor(given))
         planner, _, folder = given.partition("@")
         if is_registered(planner) and (Path(folder) / MANIFEST).is_file():
             return PlannerMethod(told, with_memory(planner, Memory.load(folder)))
-        if is_actor(Path(given)):
-            return ActorMethod(told, Actor.load(Path(given)))
+        if policies.is_actor(Path(given)):
+            return ActorMethod(told, policies.Actor.load(Path(given)))
     made = _made(given, told)
-    if isinstance(made, Acting):
+    if isinstance(made, policies.Acting):
         return ActorMethod(told, made)
     try:
         return PlannerMethod(told, get_planner(made, name=told, limit=limit))
     except UnknownNameError as error:
         if not error.known:
             raise
-        known = [*error.known, *all_actor_names()]
+        known = [*error.known, *policies.all_actor_names()]
         raise UnknownNameError.among("entrant", given, known) from error
 
 
@@ -301,8 +292,8 @@ def _made(given: Any, told: str) -> Any:
         if made is None:
             return given
     made = instance(made, told)
-    if isinstance(made, Path) or (acts(made) and not isinstance(made, Acting)):
-        return own_policy(made, told)
+    if isinstance(made, Path) or (acts(made) and not isinstance(made, policies.Acting)):
+        return policies.own_policy(made, told)
     return made
 
 
@@ -314,8 +305,8 @@ def summary(entrant: Entrant) -> str:
         return str(words).strip().partition("\n")[0]
     bare, _, tries = source.partition("@")
     words = summary_of(bare)
-    if not words and bare in all_actor_names():
-        words = f"network that acts step by step ({actor_folder(bare).name})"
+    if not words and bare in policies.all_actor_names():
+        words = f"network that acts step by step ({policies.actor_folder(bare).name})"
     if tries.isdigit():
         words += f"; tried out {tries} times and verified before the arm moves"
     elif tries:

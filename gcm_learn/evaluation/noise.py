@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from gcm_learn import execution
 from gcm_learn.arms import PLANAR, kind_of
 from gcm_learn.errors import SuiteError
 from gcm_learn.evaluation.conditions import OWN, Condition
@@ -14,14 +15,6 @@ from gcm_learn.evaluation.entrants import Answer, Method, PlannerMethod
 from gcm_learn.evaluation.judging import judged
 from gcm_learn.evaluation.machine import spent
 from gcm_learn.evaluation.sources import Case
-from gcm_learn.execution import (
-    OUTCOMES,
-    ExactPlant,
-    Loop,
-    Perception,
-    Planning,
-    run_closed_loop,
-)
 from gcm_learn.motion import Movement
 from gcm_learn.planners import Plan, in_words
 from gcm_learn.processes import OutOfTime, time_limit
@@ -29,7 +22,7 @@ from gcm_learn.processes import OutOfTime, time_limit
 SEED = 0  # of the errors, the same for all entrants
 
 
-class _Noted(ExactPlant):
+class _Noted(execution.ExactPlant):
     """A plant that notes the movement that its arm has made."""
 
     def __init__(self, situation: Any) -> None:
@@ -68,7 +61,7 @@ def mind_of(method: Method) -> Any:
     SuiteError
     """
     if isinstance(method, PlannerMethod):
-        return Planning(method.planner)
+        return execution.Planning(method.planner)
     raise SuiteError(f"noise: {method.name!r} is no planner")
 
 
@@ -79,10 +72,10 @@ def seen(method: Method, case: Case, condition: Condition) -> dict[str, Any]:
     """
     thinking = None if condition.thinking == OWN else float(condition.thinking)
     situation, plant, since = case.situation, _Noted(case.situation), spent()
-    loop = Loop(Perception(condition.noise), thinking=thinking)
+    loop = execution.Loop(execution.Perception(condition.noise), thinking=thinking)
     try:
         with time_limit(condition.limit):
-            course = run_closed_loop(
+            course = execution.run_closed_loop(
                 mind_of(method), plant, situation, loop, SEED, int(case.key[:8], 16)
             )
     except OutOfTime:
@@ -91,7 +84,7 @@ def seen(method: Method, case: Case, condition: Condition) -> dict[str, Any]:
         return {"outcome": "error", "ms": 0.0, "reason": in_words(error)}
     ms = 1e3 * (spent() - since) / max(len(course.thoughts), 1)
     charged = float(np.mean([thought.took for thought in course.thoughts] or [0.0]))
-    outcome, moves = OUTCOMES[course.outcome], plant.movement()
+    outcome, moves = execution.OUTCOMES[course.outcome], plant.movement()
     *before, last = [(catch.body, catch.time) for catch in course.catches] or [("", 0.0)]
     caught = outcome == "caught"
     plan = Plan(

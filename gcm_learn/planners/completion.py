@@ -10,27 +10,10 @@ from typing import Any
 
 import numpy as np
 
+from gcm_learn import motion
 from gcm_learn.arms import Arm, SpatialArm, kind_of
 from gcm_learn.collision import UNLIMITED, WORK
 from gcm_learn.maps import CognitiveMap
-from gcm_learn.motion import (
-    HOLE_MARGIN,
-    Failure,
-    Movement,
-    Opening,
-    Reason,
-    Rules,
-    Verdict,
-    first_catch,
-    first_interception,
-    keep_limits,
-    opening,
-    refine,
-    segment_times,
-    straight_path,
-    verify,
-    why_blocked,
-)
 from gcm_learn.planners.joints.moves import Study, study_of
 from gcm_learn.planners.plan import GAIN, Deadline, Plan, end_of, in_plane, refused
 from gcm_learn.scene import Bodies, Scene, pack
@@ -79,8 +62,8 @@ class Task:
         return self.scene.bodies
 
     @cached_property
-    def _opening(self) -> Opening:
-        return opening(self.scene)
+    def _opening(self) -> motion.Opening:
+        return motion.opening(self.scene)
 
     @property
     def start_clearance(self) -> float:
@@ -88,7 +71,7 @@ class Task:
         return self._opening.clearance
 
     @property
-    def rules(self) -> Rules:
+    def rules(self) -> motion.Rules:
         """Limits less a margin, with which movements are surely verified."""
         return self._opening.rules
 
@@ -97,12 +80,14 @@ class Task:
         """Wall time since the problem was taken up [ms]."""
         return 1e3 * (clock.perf_counter() - self.started)
 
-    def answer(self, why: Failure | Reason, cognitive_map: CognitiveMap | None = None) -> Plan:
+    def answer(
+        self, why: motion.Failure | motion.Reason, cognitive_map: CognitiveMap | None = None
+    ) -> Plan:
         """A plan without a catch."""
-        reason = why if isinstance(why, Reason) else Reason(why)
-        blocked = reason.failure is Failure.START_BLOCKED
+        reason = why if isinstance(why, motion.Reason) else motion.Reason(why)
+        blocked = reason.failure is motion.Failure.START_BLOCKED
         if self.budget[0] < 0:
-            reason = Reason(Failure.OUT_OF_WORK)
+            reason = motion.Reason(motion.Failure.OUT_OF_WORK)
         return Plan(
             name=self.situation.name,
             planner=self.planner,
@@ -118,12 +103,12 @@ class Task:
     def early_answer(self) -> Plan | None:
         """Return the answer that needs no planning: blocked at the start, or hopeless."""
         if self.start_clearance <= 0.0:
-            return self.answer(why_blocked(self.situation, self.scene))
+            return self.answer(motion.why_blocked(self.situation, self.scene))
         count = len(self.situation.targets)
         if self.situation.catch == "all" and count > 1:
-            return self.answer(Failure.SEVERAL_UNTAKEN.with_numbers(count=count))
+            return self.answer(motion.Failure.SEVERAL_UNTAKEN.with_numbers(count=count))
         if not self._opening.hopeful:
-            return self.answer(Failure.OUT_OF_REACH)
+            return self.answer(motion.Failure.OUT_OF_REACH)
         return None
 
     def caught(
@@ -154,7 +139,7 @@ class Task:
 class Attempt:
     """A trajectory that ends at a target, not yet verified."""
 
-    trajectory: Movement
+    trajectory: motion.Movement
     body: int
 
 
@@ -201,7 +186,7 @@ class SpatialProblem(Task):
         """
         early = super().early_answer()
         if early is None and self.accelerates and not keeps_acceleration:
-            early = self.answer(Failure.ACCELERATION_UNTAKEN)
+            early = self.answer(motion.Failure.ACCELERATION_UNTAKEN)
         return early
 
 
@@ -243,14 +228,14 @@ def straight_catch(
     arm, instant = problem.situation.arm, problem.rules.instant
     search = max(since, after)
     for _ in range(1 if arm.max_joint_speed is None else _MORE_TRIES):
-        t, body, px, py = first_interception(
+        t, body, px, py = motion.first_interception(
             problem.scene, problem.rules, *start, since, search, problem.situation.horizon
         )
         if body < 0:
             return None
-        hand = straight_path(start, np.array([px, py]))
-        _, hand = refine(arm, np.zeros(len(hand)), hand)
-        sooner = np.concatenate([[0.0], np.cumsum(segment_times(arm, hand))])
+        hand = motion.straight_path(start, np.array([px, py]))
+        _, hand = motion.refine(arm, np.zeros(len(hand)), hand)
+        sooner = np.concatenate([[0.0], np.cumsum(motion.segment_times(arm, hand))])
         if t <= since or sooner[-1] <= (t - since) * (1.0 + 1e-12):
             if wait and sooner[-1] < t - since:
                 time = np.concatenate([[since], t - sooner[-1] + sooner[:-1], [t]])
@@ -282,8 +267,8 @@ def path_through(
     """
     hand, wanted = [np.array([arm.hand])], [np.zeros(1)]
     for place, come in zip(places, arrival, strict=True):
-        piece = straight_path(hand[-1][-1], place)
-        under_way = np.concatenate([[0.0], np.cumsum(segment_times(arm, piece))])
+        piece = motion.straight_path(hand[-1][-1], place)
+        under_way = np.concatenate([[0.0], np.cumsum(motion.segment_times(arm, piece))])
         leave = max(come - under_way[-1], wanted[-1][-1])
         share = under_way / max(under_way[-1], 1e-300)
         times = leave + share * (come - leave)
@@ -316,14 +301,16 @@ def finish(problem: Problem, hand: np.ndarray, arrival: np.ndarray) -> Attempt |
 def first_catch_on(problem: Problem, time: np.ndarray, hand: np.ndarray) -> tuple[float, int]:
     """First catch along a timed path (n,), (n, 2): when [s] (-1 if never), and which body."""
     rules = problem.rules
-    t, body = first_catch(problem.bodies, time, hand, rules.catch, CATCH_STEP * rules.instant)
+    t, body = motion.first_catch(
+        problem.bodies, time, hand, rules.catch, CATCH_STEP * rules.instant
+    )
     return t, body
 
 
 def timed(arm: Arm, arrival: np.ndarray, hand: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Times (m,) and hands (m, 2) of a path that keeps the arm's limits; see `finish`."""
-    arrival, hand = refine(arm, arrival, out_of_hole(arm, hand))
-    return keep_limits(arm, hand, arrival), hand
+    arrival, hand = motion.refine(arm, arrival, out_of_hole(arm, hand))
+    return motion.keep_limits(arm, hand, arrival), hand
 
 
 def go_on(
@@ -346,14 +333,14 @@ def hole_of(arm: Arm) -> float:
     """
     nearest = math.hypot(*arm.hand)
     if arm.inner_reach > 0.0:
-        return min(arm.inner_reach + HOLE_MARGIN, nearest * (1.0 - 1e-8))
-    return min(HOLE_MARGIN, 0.5 * nearest)
+        return min(arm.inner_reach + motion.HOLE_MARGIN, nearest * (1.0 - 1e-8))
+    return min(motion.HOLE_MARGIN, 0.5 * nearest)
 
 
 def out_of_hole(arm: Arm, hand: np.ndarray) -> np.ndarray:
     """Push samples out of the hole in the ring, which a smooth path may cut by part of a cell."""
     radius = np.sqrt((hand[1:] ** 2).sum(axis=1))
-    least = arm.inner_reach + HOLE_MARGIN
+    least = arm.inner_reach + motion.HOLE_MARGIN
     if arm.inner_reach == 0.0 or radius.min() >= least:
         return hand
     scale = np.maximum(least / np.maximum(radius, 1e-9), 1.0)
@@ -363,22 +350,22 @@ def out_of_hole(arm: Arm, hand: np.ndarray) -> np.ndarray:
 def attempt_of(problem: Problem, time: np.ndarray, hand: np.ndarray, body: int) -> Attempt:
     """Make an attempt of a timed hand path."""
     arm = problem.situation.arm
-    return Attempt(Movement.of_hand(arm, time, hand), body)
+    return Attempt(motion.Movement.of_hand(arm, time, hand), body)
 
 
 def judged(
     problem: Task,
     attempt: Attempt,
     cognitive_map: CognitiveMap | None = None,
-) -> tuple[Plan | None, Verdict]:
+) -> tuple[Plan | None, motion.Verdict]:
     """Verify an attempt: a plan if it holds, and the verdict."""
-    verdict = verify(problem.scene, problem.rules, attempt.trajectory, attempt.body)
+    verdict = motion.verify(problem.scene, problem.rules, attempt.trajectory, attempt.body)
     if not verdict.good:
         return None, verdict
     return problem.caught(attempt, verdict.clearance, cognitive_map), verdict
 
 
-def checked(problem: Task, attempt: Attempt) -> tuple[Plan | None, Reason | None]:
+def checked(problem: Task, attempt: Attempt) -> tuple[Plan | None, motion.Reason | None]:
     """Verify an attempt: a plan if it holds, else why not."""
     plan, verdict = judged(problem, attempt)
     return plan, verdict.reason
@@ -388,9 +375,9 @@ def straight_plan(problem: Problem) -> Plan:
     """Go straight to the earliest interception: the plan, or why it does not hold."""
     path = straight_catch(problem, np.array(problem.situation.arm.hand), 0.0)
     if path is None:
-        return problem.answer(Failure.NO_STRAIGHT_LINE)
+        return problem.answer(motion.Failure.NO_STRAIGHT_LINE)
     time, hand, body = path
     if time[-1] <= 0.0:
         time, hand = time[:1], hand[:1]
     plan, reason = checked(problem, attempt_of(problem, time, hand, body))
-    return problem.answer(reason or Failure.NO_STRAIGHT_LINE) if plan is None else plan
+    return problem.answer(reason or motion.Failure.NO_STRAIGHT_LINE) if plan is None else plan

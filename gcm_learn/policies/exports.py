@@ -9,22 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from gcm_learn import execution
 from gcm_learn.errors import DatasetError, UnknownNameError
-from gcm_learn.execution import (
-    ARENAS,
-    CAUGHT,
-    Agent,
-    Arena,
-    ArenaSettings,
-    Moment,
-    Steps,
-    arena_of,
-    follower_of,
-    plant_of,
-    pool_for,
-    run_episode,
-    settings_of,
-)
 from gcm_learn.motion import start_clearance
 from gcm_learn.registration import NAMESPACE
 from gcm_learn.scene import pack
@@ -43,7 +29,7 @@ def export_minari(
     records: Dataset,
     dataset_id: str,
     planner: str | None = None,
-    settings: ArenaSettings | Mapping[str, Any] | None = None,
+    settings: execution.ArenaSettings | Mapping[str, Any] | None = None,
     *,
     author: str | None = None,
     author_email: str | None = None,
@@ -90,7 +76,7 @@ def export_minari(
             "episodes need minari and gymnasium: pip install 'gcm_learn[export]'"
         ) from None
     arena = _arena_for(records)
-    chosen = settings_of(arena.settings, settings)
+    chosen = execution.settings_of(arena.settings, settings)
     buffers = list(_episodes(records, planner, chosen))
     if not buffers:
         raise DatasetError(f"{records.folder.url}: no catch of {planner} among these records")
@@ -111,16 +97,18 @@ def export_minari(
         )
 
 
-def _arena_for(records: Dataset) -> Arena:
+def _arena_for(records: Dataset) -> execution.Arena:
     """Return the arena in which catches of a dataset's arms can be acted out."""
     kind = records.spec.kind
-    for arena in ARENAS.values():
+    for arena in execution.ARENAS.values():
         if arena.followed and arena.kind is kind:
             return arena
     raise DatasetError(f"{records.folder.url}: no arena takes {kind.plural}")
 
 
-def _episodes(records: Dataset, planner: str, settings: ArenaSettings) -> Iterator[EpisodeBuffer]:
+def _episodes(
+    records: Dataset, planner: str, settings: execution.ArenaSettings
+) -> Iterator[EpisodeBuffer]:
     """Act out the catches of records and give an episode for each that catches again."""
     for first in range(0, len(records), PART):
         part = [records[k] for k in range(first, min(first + PART, len(records)))]
@@ -129,22 +117,22 @@ def _episodes(records: Dataset, planner: str, settings: ArenaSettings) -> Iterat
             yield from _acted_out(able, planner, settings)
 
 
-def _can_act(record: Record, planner: str, settings: ArenaSettings) -> bool:
+def _can_act(record: Record, planner: str, settings: execution.ArenaSettings) -> bool:
     """Return whether a record has a catch that takes time, from a start that the arena takes."""
     plan, situation = record.plans[planner], record.situation
     if not plan.caught or plan.trajectory is None or plan.trajectory.duration <= 0.0:
         return False
-    begins = arena_of(settings).begins(situation, settings.dt)
+    begins = execution.arena_of(settings).begins(situation, settings.dt)
     return begins and start_clearance(pack(situation)) > 0.0
 
 
 class _InBox:
     """Agent whose actions are as another one's, shortened to the space of actions and rounded."""
 
-    def __init__(self, agent: Agent) -> None:
+    def __init__(self, agent: execution.Agent) -> None:
         self._agent = agent
 
-    def act(self, moment: Moment) -> np.ndarray:
+    def act(self, moment: execution.Moment) -> np.ndarray:
         """Actions (n, k), numbers of single precision from -1 to 1."""
         actions = self._agent.act(moment)
         largest = np.abs(actions).max(axis=1, keepdims=True)
@@ -152,18 +140,23 @@ class _InBox:
 
 
 def _acted_out(
-    records: list[Record], planner: str, settings: ArenaSettings
+    records: list[Record], planner: str, settings: execution.ArenaSettings
 ) -> Iterator[EpisodeBuffer]:
     from minari.data_collector import EpisodeBuffer
 
-    pool, steps = pool_for(settings, [record.situation for record in records]), list[Steps]()
+    pool, steps = (
+        execution.pool_for(settings, [record.situation for record in records]),
+        list[execution.Steps](),
+    )
     plans = [record.plans[planner].trajectory for record in records]
-    agent = _InBox(follower_of(plans, pool, settings.dt))
-    run_episode(agent, plant_of(pool, len(pool), settings), np.arange(len(pool)), steps.append)
-    moves = Steps(*map(np.concatenate, zip(*steps, strict=True)))
+    agent = _InBox(execution.follower_of(plans, pool, settings.dt))
+    execution.run_episode(
+        agent, execution.plant_of(pool, len(pool), settings), np.arange(len(pool)), steps.append
+    )
+    moves = execution.Steps(*map(np.concatenate, zip(*steps, strict=True)))
     for arm, record in enumerate(records):
         mine = np.flatnonzero(moves.arms == arm)
-        if moves.outcomes[mine[-1]] != CAUGHT:
+        if moves.outcomes[mine[-1]] != execution.CAUGHT:
             continue
         yield EpisodeBuffer(
             id=None,

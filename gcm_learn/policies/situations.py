@@ -7,16 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from gcm_learn import execution
 from gcm_learn.arms import PLANAR, ByKind
 from gcm_learn.errors import PolicyError
-from gcm_learn.execution import (
-    ArenaSettings,
-    Pool,
-    Settings,
-    placed,
-    pool_for,
-    situations_of,
-)
 from gcm_learn.planners import Plan, get_planner
 from gcm_learn.policies.plan import Share
 
@@ -35,13 +28,13 @@ class Lot:
     """Stratum, or the source where it is not known."""
     paths: list[Any]
     """Of the planner's catch, in the arena's coordinates, or None."""
-    settings: ArenaSettings
+    settings: execution.ArenaSettings
     """Of the arms."""
 
     @property
-    def pool(self) -> Pool:
+    def pool(self) -> execution.Pool:
         """Packed for the arena."""
-        return pool_for(self.settings, self.situations)
+        return execution.pool_for(self.settings, self.situations)
 
     def shown(self) -> Lot:
         """Only what has a catch."""
@@ -56,7 +49,7 @@ class Lot:
 
 def gather(
     shares: Sequence[Share],
-    settings: ArenaSettings = Settings(),  # noqa: B008 -- frozen
+    settings: execution.ArenaSettings = execution.Settings(),  # noqa: B008 -- frozen
     *,
     plans: bool,
     tell: Told | None = None,
@@ -90,7 +83,7 @@ def _lists(lot: Lot) -> tuple[list, list, list]:
     return lot.situations, lot.groups, lot.paths
 
 
-def _records(share: Share, plans: bool, settings: ArenaSettings) -> Lot:
+def _records(share: Share, plans: bool, settings: execution.ArenaSettings) -> Lot:
     """Records of a dataset."""
     from gcm_learn import dataset  # needs pyarrow
 
@@ -109,14 +102,14 @@ def _records(share: Share, plans: bool, settings: ArenaSettings) -> Lot:
     return lot
 
 
-def _drawn(share: Share, plans: bool, settings: ArenaSettings) -> Lot:
+def _drawn(share: Share, plans: bool, settings: execution.ArenaSettings) -> Lot:
     """Situations of a family or file, in canonical form; planned for if need be."""
     lot = Lot([], [], [], settings)
     names = [PLANNER if share.reachable else "", share.caught_by]
     judges = {name: get_planner(name) for name in names if name}
     shows = get_planner(share.shown_by)
-    for drawn in situations_of(share.source, share.count, share.seed, settings):
-        situation: Any = placed(drawn)[0]
+    for drawn in execution.situations_of(share.source, share.count, share.seed, settings):
+        situation: Any = execution.placed(drawn)[0]
         made = {name: judge.plan(situation) for name, judge in judges.items()}
         if not all(plan.caught for plan in made.values()):
             continue
@@ -133,7 +126,7 @@ def _path(plan: Plan | None) -> Any:
     return plan.trajectory if plan is not None and plan.caught else None
 
 
-_READERS: ByKind[Callable[[Share, bool, ArenaSettings], Lot]] = ByKind(
+_READERS: ByKind[Callable[[Share, bool, execution.ArenaSettings], Lot]] = ByKind(
     {PLANAR: _records}, default=_drawn
 )
 """Readers of datasets' folders: plans of records count only for planar arms."""

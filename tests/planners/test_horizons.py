@@ -22,7 +22,7 @@ PLANNERS = (
     "gcm", "hybrid", "layered", "marching", "potential", "recall", "search",
     "straight", "straight-wait",
 )  # fmt: skip
-QUICK = ("hybrid", "recall", "search", "straight", "straight-wait")
+QUICK = ("recall", "search", "straight", "straight-wait")
 TIMES = (10.0, 50.0, 1000.0)
 
 

@@ -12,17 +12,10 @@ import numpy as np
 from gcm_learn.collision import WORK
 from gcm_learn.motion import Failure, Movement
 from gcm_learn.planners.completion import Attempt, SpatialProblem, checked
+from gcm_learn.planners.joints import still_trees
 from gcm_learn.planners.joints.meeting_trees import search_trees
 from gcm_learn.planners.joints.moves import Study
 from gcm_learn.planners.joints.ramped_ways import hasten_ramped, ramped_samples, shorten_ramped
-from gcm_learn.planners.joints.still_trees import (
-    GOALS,
-    fitted,
-    parted,
-    search_still,
-    straighten,
-    timed,
-)
 from gcm_learn.planners.joints.straight import at_once, earliest_straight
 from gcm_learn.planners.joints.trees import Trees, new_trees, roomier
 from gcm_learn.planners.joints.ways import Way, hasten, new_way, samples_of, shorten
@@ -125,7 +118,7 @@ class TreeSearch:
     def _before(self, problem: SpatialProblem, end: float, seed: int, rounds: int) -> Plan:
         """A catch until `end` [s], by trees that are grown from new."""
         study, way = problem.study, new_way(problem.study.goal.size)
-        still, moving = parted(study)
+        still, moving = still_trees.parted(study)
         calm = not study.scene.bodies.rows[:, TOP_SPEED].any()
         both = not problem.accelerates and still.desk.obstacles.size > 0
         trees = [new_trees(study, ROOM, seed, problem.accelerates) for _ in range(1 + both)]
@@ -135,10 +128,10 @@ class TreeSearch:
         while left > 0 and found is None and not problem.over and problem.budget[0] >= 0:
             k = int(both and (calm or turn % TURNS > 0))
             size, turn = min(SLICE, math.ceil(left)), turn + 1
-            left -= (GOALS if calm else 0.0) * size if k else size
+            left -= (still_trees.GOALS if calm else 0.0) * size if k else size
             if int(trees[k].size.max()) + 3 * size > trees[k].time.shape[1]:
                 trees[k] = roomier(trees[k])
-            if k and search_still(still, study, trees[k], size, end, way):
+            if k and still_trees.search_still(still, study, trees[k], size, end, way):
                 found = _stilled(problem, still, None if calm else moving, trees[k], way, end)
                 problem.budget[0] -= FINISH
                 problem.nodes += int(trees[k].size.sum()) - 1
@@ -162,12 +155,12 @@ def _stilled(
 ) -> Plan | None:
     """The way among obstacles that rest as a plan, timed among those that move, if any can."""
     short, when = new_way(problem.study.goal.size), way.left[way.size[0] - 1]
-    timed(still, way)
+    still_trees.timed(still, way)
     shorten(still, way, short)
     late = short.reached[short.size[0] - 1] > (end if moving is None else when)
     if late:
-        straighten(still, short)
-    if moving is not None and not fitted(moving, short, trees, when):
+        still_trees.straighten(still, short)
+    if moving is not None and not still_trees.fitted(moving, short, trees, when):
         return None
     return _finished(problem, trees.moves, short, end)
 
