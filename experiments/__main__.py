@@ -2,7 +2,7 @@
 
 python -m experiments                            list the experiments and their questions
 python -m experiments 05_recall [options]        05_recall/run.py
-python -m experiments 05_recall/space --help     another script of the folder
+python -m experiments 05_recall/arms --help      another script of the folder
 python -m experiments recompute                  all tables that outcomes of situations give
 """
 

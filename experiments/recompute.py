@@ -1,12 +1,12 @@
 """Compute all tables from the outcomes of single situations, and numbers in documents from those.
 
     python -m experiments recompute                     every experiment that has outcomes
-    python -m experiments recompute 05_recall           one of them
+    python -m experiments recompute 18_outside          one of them
     python -m experiments recompute --check             say what differs, and fail if anything does
 
 Nothing is planned. How documents bind numbers is told in `experiments/bound.py`.
 
-An experiment with files `outcomes*.csv.gz` has modules `*report` with a function `results`. It
+An experiment with files `outcomes*.csv.gz` may have modules `*report` with a function `results`. It
 returns texts by name of file from the folder of the outcomes. These modules import nothing of their
 folder. Answered experiments have no code here; they are named with the commit that has it.
 """

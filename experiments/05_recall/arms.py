@@ -19,10 +19,9 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from experiments.common.judging import complaints
 from gcm_learn.arms import SPATIAL
 from gcm_learn.dataset import make_item, quantities_of, read_spec
-from gcm_learn.evaluation import chance, difference, holm, mcnemar, wilson
+from gcm_learn.evaluation import chance, complaints, difference, holm, mcnemar, wilson
 from gcm_learn.recall import (
     MEMORIES,
     RandomIndex,

@@ -7,10 +7,11 @@ catches and `straight` does not: W if `marching` catches, else Q. Families are c
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from itertools import count
 
-from experiments.common.questions import Question
 from gcm_learn import get_planner, seeding
+from gcm_learn.evaluation import Case
 from gcm_learn.families.family import ArmRanges
 from gcm_learn.families.random_planar import RandomPlanar
 
@@ -18,21 +19,15 @@ ARM = ArmRanges(
     upper_arm=(0.55, 1.6), thickness=(0.0, 0.03, 0.06), hand_speed=(1.5, 5.0), horizon=(0.7, 2.0)
 )
 FAMILY = RandomPlanar(
-    arm=ARM,
-    obstacles=(2, 6),
-    still=0.5,
-    radius=(0.05, 0.4),
-    half_length=(0.1, 0.8),
+    arm=ARM, obstacles=(2, 6), still=0.5, radius=(0.05, 0.4), half_length=(0.1, 0.8),
     corners=(0.08, 0.45),
-)
+)  # fmt: skip
 TRAINED = (0.8, 1.15)  # upper arms [forearms]
-MOST = 300  # situations
 
 
-def suite(seed: int) -> list[Question]:
-    """Return the first situations of a seed that are kept."""
+def standins(seed: int) -> Iterator[Case]:
+    """Yield the situations of a seed that are kept."""
     straight, marching, layered = map(get_planner, ("straight", "marching", "layered"))
-    kept: list[Question] = []
     for index in count():
         situation = FAMILY.draw(seeding.rng(seed, index), f"stand-in-{index:05d}")
         if straight.plan(situation).caught or not layered.plan(situation).caught:
@@ -40,7 +35,4 @@ def suite(seed: int) -> list[Question]:
         stratum = "W" if marching.plan(situation).caught else "Q"
         arm = situation.arm.upper_arm
         side = "short" if arm < TRAINED[0] else "long" if arm > TRAINED[1] else "as trained"
-        kept.append(Question(stratum, side, index, situation))
-        if len(kept) == MOST:
-            return kept
-    return kept
+        yield Case(situation, "stand-in", side, stratum)

@@ -1,11 +1,11 @@
 """Do maps find memories better than raw parameters do, the more so the more there is around?
 
-python -m experiments 10_map_embedding PLANE SPACE     outcomes, then tables and the figure
+python -m experiments 10_map_embedding PLANE SPACE     sheets, their pages and tables in out/
 
 Both are folders of `gcm-learn generate`. Encoders that know memories by their path, by their map,
 by both and by raw parameters take the same lessons, with several seeds. They and the controls are
 asked with the same memories, adapted in the same way. In the plane, more and more obstacles that do
-not matter are added to the situations. Answers are kept in out/.
+not matter are added. The tables and the figure beside this file are of an earlier run.
 """
 
 from __future__ import annotations
@@ -13,21 +13,16 @@ from __future__ import annotations
 import argparse
 from collections.abc import Iterator
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from autoencoder import AutoencoderIndex
 from places import clusters_table
-from report import write_figure
 from teaching import Given, filed, trained
 
-from experiments import recompute
-from experiments.common import outcomes
-from experiments.common.questions import Question
 from gcm_learn import dataset, seeding
 from gcm_learn.arms import PLANAR
+from gcm_learn.evaluation import Case, Entrant, ask, page, pairs, shares
 from gcm_learn.families.random_planar import RandomPlanar
 from gcm_learn.maps import build_map
 from gcm_learn.motion.clearance import clearance
@@ -65,6 +60,11 @@ CELLS = 40  # along a side of the maps that must not change
 STRATA = ("W", "Q")
 SPLITS = ("test", "validation")  # no lesson is about these
 ADDED = ("map unchanged", "catch unchanged")
+CHECKS = (1, 20)
+PAIRS = (
+    ("map", "raw neighbours"), ("raw, learned", "raw neighbours"), ("map", "raw, learned"),
+    ("map", "path"), ("path and map", "path"),
+)  # fmt: skip
 
 
 def learned(labels: TransferLabels, maps: np.ndarray, seed: int) -> dict[str, Memory]:
@@ -148,90 +148,67 @@ def crowded(situation: Situation, plan: Plan, seed: int, strict: bool) -> list[S
     return found
 
 
-def questions(records: dataset.Dataset, strict: bool) -> Iterator[tuple[int, Question]]:
-    """Yield planar situations of W and Q with ever more obstacles, and how many these are."""
+def crowds(records: dataset.Dataset, strict: bool) -> Iterator[Case]:
+    """Yield planar situations of W and Q with ever more obstacles; the suite says how many."""
     for stratum in STRATA:
-        found = 0
+        rows: list[list[Case]] = []
         for record in records.where(split=SPLITS, stratum=stratum):
             plans = [p for p in record.plans.values() if p.caught]
-            if not plans or record.situation.is_solid:
+            if not plans or record.situation.is_solid or len(rows) == COUNT:
                 continue
             best = min(plans, key=lambda p: p.catch_time or 0.0)
-            row = crowded(record.situation, best, record.index, strict)
-            if len(row) < len(EXTRAS):
-                continue
-            for extra, situation in zip(EXTRAS, row, strict=True):
-                yield extra, Question(stratum, record.family, record.index, situation)
-            found += 1
-            if found == COUNT:
-                break
+            made = crowded(record.situation, best, record.index, strict)
+            if len(made) == len(EXTRAS):
+                suites = [f"{ADDED[not strict]}, +{extra}" for extra in EXTRAS]
+                some = zip(made, suites, strict=True)
+                rows.append([Case(one, suite, record.family, stratum) for one, suite in some])
+        yield from (case for row in rows for case in row)
 
 
-def as_drawn(records: dataset.Dataset) -> Iterator[tuple[int, Question]]:
+def as_drawn(records: dataset.Dataset) -> Iterator[Case]:
     """Yield situations of W and Q with nothing added, those in which a plan was found."""
     for stratum in STRATA:
-        found = 0
-        for record in records.where(split=SPLITS, stratum=stratum):
-            if found == COUNT or not any(p.caught for p in record.plans.values()):
-                continue
-            found += 1
-            yield 0, Question(stratum, record.family, record.index, record.situation)
+        some = records.where(split=SPLITS, stratum=stratum)
+        found = [r for r in some if any(plan.caught for plan in r.plans.values())][:COUNT]
+        yield from (Case(r.situation, "as drawn", r.family, stratum) for r in found)
 
 
-Asked = dict[str, list[tuple[int, Question]]]
-
-
-def asked_of(world: str, records: dataset.Dataset) -> Asked:
-    """Return the questions of a world by what is added to them."""
-    if world == "plane":
-        return {added: list(questions(records, added == ADDED[0])) for added in ADDED}
-    return {"nothing": list(as_drawn(records))}
-
-
-def answers(world: str, records: dataset.Dataset) -> Iterator[dict[str, Any]]:
-    """Yield the outcomes of every question with every memory; write the table of clusters."""
-    asked, maps, tables = asked_of(world, records), None, []
+def entrants(world: str, records: dataset.Dataset) -> Iterator[Entrant]:
+    """Yield every memory with each number of checks; write the table of clusters."""
+    maps, tables = None, []
     for seed in SEEDS:
         some, sizes = records[: RECORDS[world]], LESSONS[world]
         labels = TransferLabels(some, seed, maps=maps is None, sizes=sizes)
-        if maps is None:
-            maps = labels.map_features
-            assert maps is not None
-            yield from answered(world, asked, controls(labels), 0)
-        print(f"{world}: {len(maps)} memories, seed {seed}", flush=True)
-        memories = learned(labels, maps, seed)
-        yield from answered(world, asked, memories, seed)
-        tables.append(clusters_table(some, labels, memories, maps, seed))
+        memories = {} if maps is not None else controls(labels)
+        maps = labels.map_features if maps is None else maps
+        assert maps is not None
+        for checks in CHECKS:
+            for name, memory in memories.items():
+                yield Entrant(f"{name}, {checks}", RecallPlanner(memory, checks))
+        taught = learned(labels, maps, seed)
+        for checks in CHECKS:
+            for name, memory in taught.items():
+                yield Entrant(f"{name}, {checks}", RecallPlanner(memory, checks), seed)
+        tables.append(clusters_table(some, labels, taught, maps, seed))
     (HERE / f"clusters-{world}.md").write_text("\n\n".join(tables) + "\n", "utf-8")
 
 
-def answered(
-    world: str, asked: Asked, memories: dict[str, Memory], seed: int
-) -> Iterator[dict[str, Any]]:
-    """Yield the outcomes of every question with some memories."""
-    for name, memory in memories.items():
-        planner = RecallPlanner(memory)
-        for added, some in asked.items():
-            for extra, question in some:
-                found = planner.recollect(question.situation)
-                row = question.about() | {"world": world, "method": name, "seed": seed}
-                row |= {"added": added, "extra": extra, "checks": found.checked}
-                yield row | {"caught": found.plan.caught}
-
-
 def main() -> None:
-    """Train and ask, or read the answers; write the outcomes, and what is computed from them."""
+    """Train and ask; write what came of it."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     for world in WORLDS:
         parser.add_argument(world)
-    given, file, rows = vars(parser.parse_args()), HERE / "outcomes.csv.gz", []
+    given = vars(parser.parse_args())
     for world in WORLDS:
-        records = dataset.open(given[world])
-        make = partial(answers, world, records)
-        rows += outcomes.kept(HERE / "out" / f"{world}.jsonl", make)
-    outcomes.write(file, rows)
-    recompute.update(HERE)
-    write_figure(HERE / "figure.png", outcomes.read(file))
+        records, out = dataset.open(given[world]), HERE / "out" / world
+        both = (case for strict in (True, False) for case in crowds(records, strict))
+        found = list(both if world == "plane" else as_drawn(records))
+        sheet = ask(list(entrants(world, records)), found, keep=out)
+        sheet.save(out / "sheet.parquet")
+        asked = [(f"{a}, {n}", f"{b}, {n}") for n in CHECKS for a, b in PAIRS]
+        told = [shares(sheet, ("entrant", "suite", "stratum")), pairs(sheet, asked, "suite")]
+        (out / "table.md").write_text("\n\n".join(map(str, told)) + "\n", "utf-8")
+        print(f"Open {page(sheet, out).as_uri()} in a browser.")
 
 
 if __name__ == "__main__":

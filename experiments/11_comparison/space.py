@@ -20,9 +20,8 @@ from typing import Any
 import numpy as np
 from scipy.stats import binomtest
 
-from experiments.common.judging import complaints
 from gcm_learn.arms import SPATIAL, SpatialArm
-from gcm_learn.evaluation import get_method
+from gcm_learn.evaluation import complaints, get_method
 from gcm_learn.execution import (
     OUTCOMES,
     PhysicalSettings,

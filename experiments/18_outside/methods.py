@@ -13,10 +13,9 @@ from typing import Any, NamedTuple
 import frozen
 from suites import Question
 
-from experiments.common.judging import complaints
 from gcm_learn.arms import CHAIN
 from gcm_learn.errors import ArmKindError
-from gcm_learn.evaluation import after
+from gcm_learn.evaluation import after, complaints
 from gcm_learn.planners import Plan, STRRTStarPlanner, get_planner, takes
 from gcm_learn.scene import pack
 

@@ -21,7 +21,6 @@ from typing import Any
 
 import numpy as np
 
-from experiments.common.judging import Referee
 from gcm_learn.cover import (
     FAMILIES,
     Budget,
@@ -34,6 +33,7 @@ from gcm_learn.cover import (
     parametric_family,
     with_cover,
 )
+from gcm_learn.evaluation import complaints
 from gcm_learn.motion import rules_of, verify
 from gcm_learn.processes import crew_of
 from gcm_learn.scene import pack
@@ -120,13 +120,13 @@ def cornered(family: str, most: int) -> None:
 
 def refereed(family: str, count: int) -> None:
     """Let the referee judge answers to draws from proven cells."""
-    planner, judge = with_cover(folder_of(family, CHECKED)), Referee()
+    planner = with_cover(folder_of(family, CHECKED))
     cover, broken, caught = planner.covers[0], 0, 0
     for theta, _ in draws(cover, count, SEEDS["judge"]):
         situation = cover.family.situation(theta)
         plan = planner.plan(situation)
         caught += plan.caught
-        broken += judge.broken(situation, plan)
+        broken += plan.caught and bool(complaints(situation, plan))
     note("judged", family, {"draws": count, "caught": caught, "broken": broken})
 
 

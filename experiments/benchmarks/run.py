@@ -23,10 +23,10 @@ from collections.abc import Callable
 import numpy as np
 from numba import njit
 
-from experiments.common.judging import complaints
 from gcm_learn import Lattice, MarchingParams, WaveParams, families, get_planner, rng
 from gcm_learn.arms import Arm
 from gcm_learn.charts import hand_space, occupied_cells
+from gcm_learn.evaluation import complaints
 from gcm_learn.families import random_planar
 from gcm_learn.scene import Scene, pack
 from gcm_learn.situation import Body, Disc, PlanarQuadratic, Situation

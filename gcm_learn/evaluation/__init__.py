@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from gcm_learn.evaluation.asking import ask, asked_for
     from gcm_learn.evaluation.conditions import Condition, after
     from gcm_learn.evaluation.entrants import ActorMethod, Entrant, get_method
-    from gcm_learn.evaluation.judging import complaints_of, judged_again, read_sheets
+    from gcm_learn.evaluation.judging import complaints, judged_again, read_sheets
     from gcm_learn.evaluation.machine import passes
     from gcm_learn.evaluation.measures import Table, pairs, shares
     from gcm_learn.evaluation.report import page
@@ -39,7 +39,7 @@ __getattr__ = late_names(__name__, {
     "sources": ("Case", "cases", "check_sources", "suite_lines",),
     "conditions": ("Condition", "after",),
     "entrants": ("ActorMethod", "Entrant", "get_method",),
-    "judging": ("complaints_of", "judged_again", "read_sheets",),
+    "judging": ("complaints", "judged_again", "read_sheets",),
     "machine": ("passes",),
     "measures": ("Table", "pairs", "shares",),
     "report": ("page",),
@@ -51,7 +51,7 @@ __getattr__ = late_names(__name__, {
 
 __all__ = [
     "ActorMethod", "after", "ask", "asked_for", "beyond_chance", "Case", "cases", "chance",
-    "check_sources", "complaints_of", "Condition", "difference", "draw_suite", "Entrant",
+    "check_sources", "complaints", "Condition", "difference", "draw_suite", "Entrant",
     "FROZEN", "get_method", "hash_of", "hierarchical", "holm", "Interval", "judged_again",
     "mcnemar", "page", "pairs", "passes", "read_sheets", "shares", "Sheet", "SHIPPED",
     "stratified", "suite_lines", "Table", "wilson",

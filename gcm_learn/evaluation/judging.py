@@ -19,7 +19,7 @@ from gcm_learn.evaluation.sheet import Sheet
 from gcm_learn.evaluation.sources import cases
 from gcm_learn.evaluation.suites import SHIPPED
 from gcm_learn.motion import Movement, collided_part
-from gcm_learn.planners import plan_to_json
+from gcm_learn.planners import Plan, plan_to_json
 from gcm_learn.referee import examine, judge
 from gcm_learn.situation import AnySituation, situation_from_json, situation_to_json
 
@@ -47,7 +47,7 @@ def judged(answer: Answer, situation: AnySituation, given: Mapping[str, Any]) ->
     """
     row: dict[str, Any] = {"outcome": answer.outcome, "ms": round(answer.ms, 4)}
     row["reason"] = answer.reason
-    complaints: list[str] = []
+    told: list[str] = []
     for plan in answer.plans:
         try:
             solution = json.loads(json.dumps(plan_to_json(plan, situation), allow_nan=False))
@@ -56,19 +56,24 @@ def judged(answer: Answer, situation: AnySituation, given: Mapping[str, Any]) ->
         if answer.outcome == "caught" and solution["clearance"] is None:
             solution["clearance"] = examine(given, solution).clearance  # nobody has told it
         found = complaints_of(given, solution) if answer.outcome in CLAIMS else []
-        complaints = complaints or found
+        told = told or found
         row |= {"solution": json.dumps(solution, separators=(",", ":")), "nodes": plan.nodes}
         row |= numbers(situation, plan.trajectory, row["outcome"])
         if not found:
             return row | _catch(row["outcome"], solution)
-    if complaints:
-        row |= {"outcome": "broken", "reason": complaints[0]}
+    if told:
+        row |= {"outcome": "broken", "reason": told[0]}
     return row
 
 
 def complaints_of(given: Mapping[str, Any], solution: Mapping[str, Any]) -> list[str]:
     """Return the complaints of the referee, each as a field and what is wrong with it."""
     return [str(replace(c, name="")).removeprefix(": ") for c in judge(given, solution)]
+
+
+def complaints(situation: AnySituation, plan: Plan) -> list[str]:
+    """Return the complaints of the referee about a plan."""
+    return complaints_of(situation_to_json(situation), plan_to_json(plan, situation))
 
 
 def _catch(outcome: str, solution: Mapping[str, Any]) -> dict[str, Any]:
@@ -133,9 +138,9 @@ def _verdict(asked: dict[str, Any], thinking: float, text: str, told: str) -> tu
     if not text:
         return ("broken", "solution: is missing") if told == "caught" else (told, "")
     solution = json.loads(text)
-    complaints = complaints_of(asked, solution)
+    found = complaints_of(asked, solution)
     status = str(solution.get("status"))
-    return ("broken", complaints[0]) if complaints else (WORDS.get(status, status), "")
+    return ("broken", found[0]) if found else (WORDS.get(status, status), "")
 
 
 def read_sheets(paths: Sequence[str | Path], *, ours: bool = False) -> Sheet:

@@ -7,11 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from experiments.common.judging import complaints
 from gcm_learn.arms import forward, joint_angles
 from gcm_learn.cover import Cover, CoveredPlanner, StoredCatch, doubt_of, draws, planned
 from gcm_learn.cover.limits import elbow_rates
 from gcm_learn.cover.reaching import Work, room_of
+from gcm_learn.evaluation import complaints
 from gcm_learn.motion import rules_of, verify
 from gcm_learn.scene import pack, pose
 

@@ -2,31 +2,10 @@
 
 from __future__ import annotations
 
-import pytest
-
-from experiments.common import judging
 from experiments.common.masses import OFF, followed, heavier
 from gcm_learn import solve
 from gcm_learn.execution import body_for, execute, with_motor_limits
 from gcm_learn.families import paper_scene
-from gcm_learn.referee import Complaint
-
-
-@pytest.mark.parametrize("words", [[], ["clearance: is off"]])
-def test_a_catch_is_broken_if_the_referee_complains_and_is_judged_once(monkeypatch, words):
-    asked = []
-
-    def judge(situation, solution):
-        asked.append(solution["name"])
-        return [Complaint(*word.split(": ")) for word in words]
-
-    monkeypatch.setattr(judging, "judge", judge)
-    situation = paper_scene("fig6")
-    found, plan = judging.Referee(), solve(situation, "layered")
-    assert plan.caught
-    for _ in range(2):
-        assert found.broken(situation, plan) is bool(words)
-    assert judging.complaints(situation, plan) == words and len(asked) == 2
 
 
 def test_the_controller_of_a_heavy_arm_does_not_know_how_heavy_it_is():

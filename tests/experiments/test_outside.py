@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 
 from experiments.common import outcomes
-from experiments.common.judging import complaints
 from gcm_learn.arms import Chain, hands_along
+from gcm_learn.evaluation import complaints
 from gcm_learn.planners import get_planner
 from gcm_learn.situation import (
     Body,
