@@ -1,7 +1,7 @@
 """Compute all tables from the outcomes of single situations, and numbers in documents from those.
 
     python -m experiments recompute                     every experiment that has outcomes
-    python -m experiments recompute 18_outside          one of them
+    python -m experiments recompute 14_body             one of them
     python -m experiments recompute --check             say what differs, and fail if anything does
 
 Nothing is planned. How documents bind numbers is told in `experiments/bound.py`.

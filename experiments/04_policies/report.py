@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from experiments.common.tables import table
+from gcm_learn.evaluation import Table
 from gcm_learn.plots import style
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ def write_report(folder: Path, rows: Sequence[Row]) -> None:
         cells = [f"{100 * share:.1f}" for share in shares]
         learner = [NAMES[arm.learner], HELP[arm.help], told]
         lines.append([*learner, *cells, f"{state['best']:,}"])
-    (folder / "table.md").write_text(table(head, lines) + "\n", "utf-8")
+    (folder / "table.md").write_text(str(Table(head, lines)) + "\n", "utf-8")
     _draw(rows, folder / "figure.png")
 
 

@@ -15,8 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from experiments.common.tables import line, table
-from gcm_learn.evaluation import mcnemar, wilson
+from gcm_learn.evaluation import Table, mcnemar, wilson
 from gcm_learn.execution import (
     AIM,
     CAUGHT,
@@ -89,7 +88,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         head = ["situations", "number", "caught", "touched"]
         for rule in rules:
             head += [type(rule).__name__.lower(), "won", "lost", "p"]
-        print(f"\n{folder}\n\n{table(head)}")
+        print(f"\n{folder}\n\n{Table(head, [])}")
         for source in options.source or family_names("spatial"):
             pool = pool_of(source, options.count, options.seed, actor.settings)
             places = np.arange(len(pool))
@@ -98,8 +97,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
             played += [run_episode(rule, plant, places) for rule in rules]
             caught.append(np.array([e.outcomes == CAUGHT for e in played]))
             touched.append(played[0].outcomes == COLLIDED)
-            print(line(row(source, caught[-1], touched[-1])), flush=True)
-        print(line(row("all", np.hstack(caught), np.hstack(touched))), flush=True)
+            print(" | ".join(row(source, caught[-1], touched[-1])), flush=True)
+        print(" | ".join(row("all", np.hstack(caught), np.hstack(touched))), flush=True)
 
 
 def row(name: str, caught: np.ndarray, touched: np.ndarray) -> list[str]:

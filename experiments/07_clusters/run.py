@@ -18,7 +18,7 @@ from sklearn.decomposition import PCA
 from sklearn.manifold import TSNE
 from sklearn.metrics import adjusted_mutual_info_score, adjusted_rand_score
 
-from experiments.common.clusters import (
+from experiments.clusters import (
     REST,
     TRIED,
     Experience,
@@ -32,8 +32,8 @@ from experiments.common.clusters import (
     transfers,
     tries,
 )
-from experiments.common.tables import table
 from gcm_learn import dataset, seeding
+from gcm_learn.evaluation import Table
 from gcm_learn.recall import (
     Encoder,
     LearnedIndex,
@@ -201,7 +201,7 @@ def write_table(file: Path, rows: list, some: Experience, found: Tries, key: str
         + ", ".join(f"{k} {v}" for k, v in counts["sides"].items())
         + "."
     )
-    parts = [table(head, lines), shared("memories", some, found), note]
+    parts = [str(Table(head, lines)), shared("memories", some, found), note]
     file.write_text("\n\n".join(parts) + "\n", encoding="utf-8")
 
 

@@ -20,7 +20,7 @@ from sklearn.cluster import HDBSCAN
 from sklearn.metrics import adjusted_mutual_info_score, adjusted_rand_score
 from space_pictures import write_figure, write_films
 
-from experiments.common.clusters import (
+from experiments.clusters import (
     TRIED,
     Experience,
     Tries,
@@ -31,10 +31,10 @@ from experiments.common.clusters import (
     transfers,
     tries,
 )
-from experiments.common.clusters import stability as k_means_stability
-from experiments.common.tables import line, table
+from experiments.clusters import stability as k_means_stability
 from gcm_learn import dataset, seeding
 from gcm_learn.arms import SPATIAL
+from gcm_learn.evaluation import Table
 from gcm_learn.planners import search_in_space
 from gcm_learn.recall import (
     MEMORIES,
@@ -127,8 +127,8 @@ def clusters_table(some: Experience, found: Tries, places: dict[str, np.ndarray]
         cells = [f"{adjusted_mutual_info_score(v, groups[name]):.2f}" for v in some.labels.values()]
         rand = f"{k_means_stability(rows, REPEATS)[0]:.2f}"
         lines.append([name, *cells, rand, *shares(transfers(found, groups[name]))])
-        print(line(lines[-1]), flush=True)
-    return table(head, lines) + "\n\n" + shared("catches", some, found)
+        print(" | ".join(lines[-1]), flush=True)
+    return str(Table(head, lines)) + "\n\n" + shared("catches", some, found)
 
 
 def stability(rows: np.ndarray, count: int) -> float:
@@ -203,7 +203,7 @@ def kinds_table(worlds: dict[str, Catches], names: dict[str, np.ndarray]) -> str
             middle = np.median(some.features[mine], axis=0)
             which = [kind, world, f"{100 * mine.mean():.0f} %", each, families]
             lines.append([*which, *(f"{value:.2f}" for value in middle)])
-    return table(head, lines)
+    return str(Table(head, lines))
 
 
 def ordered(names: np.ndarray) -> list[str]:
@@ -222,7 +222,7 @@ def stability_table(plane: Catches, space: Catches) -> str:
         two = [stability(some.features, count) for some in (plane, space)]
         cells = [*two, *carried_over(plane, space, count)]
         lines.append([count, *(f"{cell:.2f}" for cell in cells)])
-        print(line(lines[-1]), flush=True)
+        print(" | ".join(lines[-1]), flush=True)
     dense = {}
     for name, some in (("plane", plane), ("space", space)):
         scaled = Kinds.of(some.features).scaled(some.features)
@@ -230,7 +230,7 @@ def stability_table(plane: Catches, space: Catches) -> str:
         dense[name] = (
             f"{found.max() + 1} in {WORLDS[name]} ({100 * (found < 0).mean():.0f} % left out)"
         )
-    return f"{table(head, lines)}\n\nHDBSCAN finds {' and '.join(dense.values())}."
+    return f"{Table(head, lines)}\n\nHDBSCAN finds {' and '.join(dense.values())}."
 
 
 def lifted_table(
@@ -247,7 +247,7 @@ def lifted_table(
         [name, (before == name).sum(), *(f"{100 * share:.0f}" for share in row)]
         for name, row in zip(names, moved, strict=True)
     ]
-    first = table(["in the plane", "situations", *names], lines)
+    first = str(Table(["in the plane", "situations", *names], lines))
     held = [row for row in rows if row["held"] is not None]
     head = ("the same arm", "catches", "same kind", "if independent", "AMI", "waits stay waits")
     lines = []
@@ -261,7 +261,7 @@ def lifted_table(
         mutual = f"{adjusted_mutual_info_score(one, other):.2f}"
         waited = f"{100 * np.mean(still[waits]):.0f} % of {waits.sum()}"
         lines.append([how, f"{len(mine)} of {len(rows)}", *agreed, mutual, waited])
-    return f"{first}\n\n{table(head, lines)}", moved, names
+    return f"{first}\n\n{Table(head, lines)}", moved, names
 
 
 def main() -> None:

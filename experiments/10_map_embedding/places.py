@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 from sklearn.metrics import adjusted_mutual_info_score
 
-from experiments.common.clusters import (
+from experiments.clusters import (
     ASKED,
     TRIED,
     Experience,
@@ -20,8 +20,8 @@ from experiments.common.clusters import (
     transfers,
     tries,
 )
-from experiments.common.tables import table
 from gcm_learn.dataset import Dataset
+from gcm_learn.evaluation import Table
 from gcm_learn.recall import Memory, Scale, TransferLabels, raw_features
 
 PLACED = 3000  # memories that are clustered
@@ -52,7 +52,7 @@ def clusters_table(
         f"situations of W and Q, {TRIED} random memories each, adapted and checked. AMI: adjusted "
         "mutual information, 0 is chance."
     )
-    return f"{table(head, lines)}\n\n{note}"
+    return f"{Table(head, lines)}\n\n{note}"
 
 
 def experience(records: Dataset, labels: TransferLabels) -> Experience:

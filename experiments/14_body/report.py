@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 
-from experiments.common.outcomes import Outcomes, read
 from gcm_learn.evaluation import wilson
 
 JUDGED = ("known", "heavy")
@@ -20,25 +20,24 @@ SATURATED = 0.999  # of a motor's torque
 
 def results(folder: Path) -> dict[str, str]:
     """Return the text of h10.json."""
-    return {"h10.json": json.dumps(table(read(folder / "outcomes.csv.gz")), indent=1) + "\n"}
+    return {"h10.json": json.dumps(table(pd.read_csv(folder / "outcomes.csv.gz")), indent=1) + "\n"}
 
 
-def table(found: Outcomes) -> dict[str, Any]:
+def table(found: pd.DataFrame) -> dict[str, Any]:
     """Return results of the plans, condition by condition."""
-    free = found.where(method="kinematic")
-    kinematic = set(free["situation"][free["caught"]].tolist())
+    free = found[found["method"] == "kinematic"]
+    kinematic = set(free["situation"][free["caught"] == 1])
     made: dict[str, Any] = {"situations": len(free), "kinematic": len(kinematic), "conditions": {}}
     for way in WAYS:
-        rows = found.where(method=way)
-        planned = rows.where(rows["status"] != NO_PLAN)
-        kept = len(kinematic & set(planned["situation"].tolist())) / len(kinematic)
+        planned = found[(found["method"] == way) & (found["status"] != NO_PLAN)]
+        kept = len(kinematic & set(planned["situation"])) / len(kinematic)
         made["conditions"][way] = summed(planned) | {"keeps_of_kinematic": kept}
     return made
 
 
-def summed(planned: Outcomes) -> dict[str, Any]:
+def summed(planned: pd.DataFrame) -> dict[str, Any]:
     """Return shares and errors of situations with a plan."""
-    caught = planned.where(planned["caught"])
+    caught = planned[planned["caught"] == 1]
     share = wilson(len(caught), len(planned))
     return {
         "plans": len(planned),
@@ -49,8 +48,8 @@ def summed(planned: Outcomes) -> dict[str, Any]:
         "brakes_into": int(np.nansum(planned["braked_into"])),
         "saturated": int(np.sum(planned["torque"] > SATURATED)),
         "error_at_the_end_mm": {
-            body: errors(planned.where(body=body)["error_mm"])
-            for body in sorted(set(planned["body"].tolist()))
+            body: errors(planned["error_mm"][planned["body"] == body].to_numpy())
+            for body in sorted(set(planned["body"]))
         },
     }
 

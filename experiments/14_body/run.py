@@ -18,11 +18,11 @@ from pathlib import Path
 from time import process_time
 from typing import Any
 
+import pandas as pd
+from masses import CONDITIONS, followed
 from report import JUDGED, WAYS
 
 from experiments import recompute
-from experiments.common import outcomes
-from experiments.common.masses import CONDITIONS, followed
 from gcm_learn.arms import CHAIN, SPATIAL, ByKind, kind_named
 from gcm_learn.execution import (
     Execution,
@@ -168,7 +168,8 @@ def main() -> None:
         measure_tubes(asked.kind)
         return
     rows = work() if asked.part is None else [json.loads(r) for r in OUT.read_text().splitlines()]
-    outcomes.write(HERE / "outcomes.csv.gz", outcome_rows(rows))
+    made = pd.DataFrame(outcome_rows(rows)).astype({"caught": int})
+    made.to_csv(HERE / "outcomes.csv.gz", index=False, compression={"method": "gzip", "mtime": 0})
     recompute.update(HERE)
     print((HERE / "h10.json").read_text())
 

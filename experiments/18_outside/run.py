@@ -1,86 +1,84 @@
-"""Ask methods side by side about problems that others made; write outcomes, table and figure.
+"""Ask methods side by side about problems that others made.
 
 python -m experiments 18_outside --motionbenchmaker problems.tar.bz2 --table-tennis rallies.json
     --si-rrt scene_task.json mass_test.json --seed 7
 python -m experiments 18_outside --development ...   the part of the suites for development
 
-The environment variables MOTIONBENCHMAKER, SI_RRT and TABLE_TENNIS name the files as well.  A suite
-without files is left out.  Answers are kept in out/ and reused.
+The environment variables MOTIONBENCHMAKER, SI_RRT and TABLE_TENNIS name the files as well. A suite
+without files is left out. Answers are kept in out/ and not asked again. Catches that take longer
+than what is charged are late. The table and the figure beside this file are of an earlier run.
 """
 
 from __future__ import annotations
 
 import argparse
-import json
 import os
 from collections.abc import Iterator
-from itertools import zip_longest
 from pathlib import Path
-from statistics import median
-from time import perf_counter, process_time
 from typing import Any
 
-import numpy as np
+import frozen
 import suites
-from methods import Method, methods, rows_of
 from suites import Question
 
-from experiments import recompute
-from experiments.common import outcomes
-from gcm_learn.evaluation import passes
+from gcm_learn.arms import CHAIN
+from gcm_learn.evaluation import Case, Condition, Entrant, ask, page, pairs, ready, shares
+from gcm_learn.planners import Plan, STRRTStarPlanner
 
-HERE = Path(__file__).resolve().parent
+OUT = Path(__file__).resolve().parent / "out"
 SEED = 0x1542C6D1
 """First eight hexadecimal digits of the commit that froze code and draws."""
+PLANNERS = ("search", "straight-wait", "recall", "hybrid")
+BUDGETS_MS = (10.0, 100.0)  # of ST-RRT*
+CONDITIONS = [Condition(thinking) for thinking in (0.0, 0.02, 0.1)]
+
+
+class Peer:
+    """A planner of others, told the suites' own goal postures by the situations' names."""
+
+    def __init__(self, goals: dict[str, Any], budget_ms: float | None = None) -> None:
+        self.goals, self.budget = goals, budget_ms
+
+    def takes(self, kind: Any) -> bool:
+        """Return whether it takes arms of a kind."""
+        return kind is CHAIN
+
+    def plan(self, situation: Any) -> Plan:
+        """Answer by ST-RRT* within the budget, without one by VAMP in a frozen world."""
+        goal = self.goals.get(situation.name)
+        if self.budget is None:
+            return frozen.Frozen(situation, goal, float("inf")).run().plan
+        postures = () if goal is None else (goal,)
+        return STRRTStarPlanner(postures=postures).plan_anytime(situation, (self.budget,))[-1]
 
 
 def questions(given: argparse.Namespace) -> Iterator[Question]:
-    """Yield the questions of all suites that have files, in turn."""
-    drawn = []
+    """Yield the questions of all suites that have files."""
     if given.motionbenchmaker is not None:
-        some = suites.problems(given.motionbenchmaker, given.seed, given.each, given.development)
-        drawn.append(list(some))
+        yield from suites.problems(
+            given.motionbenchmaker, given.seed, given.each, given.development
+        )
     if given.si_rrt:
-        drawn.append(list(suites.scenes(given.si_rrt)))
+        yield from suites.scenes(given.si_rrt)
     if given.table_tennis is not None:
-        some = suites.balls(given.table_tennis, given.seed, given.balls, given.development)
-        drawn.append(list(some))
-    for turn in zip_longest(*drawn):
-        yield from (one for one in turn if one is not None)
-
-
-def answered(question: Question, asked: dict[str, Method]) -> list[dict[str, Any]]:
-    """Return all answers to a question as rows."""
-    return list(rows_of(question, asked))
+        yield from suites.balls(given.table_tennis, given.seed, given.balls, given.development)
 
 
 def main() -> None:
-    """Ask what is missing; write the outcomes, and the tables from them."""
+    """Ask, and write what came of it."""
     given = _arguments().parse_args()
-    part = "development" if given.development else f"{given.seed:08x}"
-    file, started = HERE / "out" / f"{part}.jsonl", perf_counter()
-    file.parent.mkdir(exist_ok=True)
-    lines = file.read_text("utf-8").splitlines() if file.exists() else []
-    known = {key: rows for key, rows in map(json.loads, lines)}
-    asked, warm = methods(), True
-    print(f"{', '.join(asked)}; calibration {median(passes()):.0f} ms", flush=True)
-    with file.open("a", encoding="utf-8") as stream:
-        for question in questions(given):
-            if question.key in known or perf_counter() - started > 60.0 * given.minutes:
-                continue
-            if warm:
-                answered(question, asked)  # kernels are loaded now
-                warm = False
-            known[question.key] = answered(question, asked)
-            stream.write(json.dumps([question.key, known[question.key]]) + "\n")
-            stream.flush()
-    print(f"{len(known)} situations, {process_time():.0f} s of processor time")
-    if not given.development:
-        outcomes.write(HERE / "outcomes.csv.gz", (row for rows in known.values() for row in rows))
-        recompute.update(HERE)
-        from report import figure
-
-        figure(outcomes.read(HERE / "outcomes.csv.gz"), HERE / "figure.png")
+    asked, out = list(questions(given)), OUT / f"{given.seed:08x}{'d' * given.development}"
+    free = [q for q in asked if not (q.start_blocked or q.goal_blocked)]
+    goals = {q.name: q.goal for q in asked}
+    entrants = [*PLANNERS, Entrant("vamp, frozen", Peer(goals))]
+    entrants += [Entrant(f"st-rrt-star, {ms:g} ms", Peer(goals, ms)) for ms in BUDGETS_MS]
+    found = [Case(q.situation, q.suite, q.family) for q in free]
+    sheet = ready(ask(entrants, found, CONDITIONS, keep=out))
+    sheet.save(out / "sheet.parquet")
+    told = [f"{len(asked) - len(free)} situations begin or end blocked by our capsules."]
+    told += [str(shares(sheet, ("suite", "entrant"))), str(pairs(sheet, "search", "suite"))]
+    (out / "table.md").write_text("\n\n".join(told) + "\n", "utf-8")
+    print(f"Open {page(sheet, out, reference='search').as_uri()} in a browser.")
 
 
 def _arguments() -> argparse.ArgumentParser:
@@ -99,7 +97,6 @@ def _arguments() -> argparse.ArgumentParser:
     parser.add_argument("--each", type=int, default=suites.EACH, help="problems of each set")
     parser.add_argument("--balls", type=int, default=suites.BALLS)
     parser.add_argument("--development", action="store_true", help="the part for development")
-    parser.add_argument("--minutes", type=float, default=np.inf, help="no new one after that")
     return parser
 
 

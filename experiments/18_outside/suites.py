@@ -63,21 +63,6 @@ class Question:
     start_blocked: bool
     goal_blocked: bool
 
-    @property
-    def key(self) -> str:
-        """Return a name that no other question has."""
-        return f"{self.suite}: {self.name}"
-
-    def about(self) -> dict[str, Any]:
-        """Return the columns of outcomes that name it."""
-        return {
-            "situation": self.key,
-            "stratum": self.suite,
-            "family": self.family,
-            "start_blocked": int(self.start_blocked),
-            "goal_blocked": int(self.goal_blocked),
-        }
-
 
 def problems(
     archive: Path, seed: int, each: int = EACH, development: bool = False

@@ -11,9 +11,9 @@ from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.patches import Rectangle
 
-from experiments.common.tables import table
 from gcm_learn.arms import elbow_position
 from gcm_learn.cover import Budget, Cover, grow, parametric_family
+from gcm_learn.evaluation import Table
 from gcm_learn.plots import draw_bodies, style
 from gcm_learn.processes import Here
 from gcm_learn.storage import write_whole
@@ -44,7 +44,7 @@ def growth(rows: dict[str, Any]) -> str:
             [family, free, f"{100 * row['share']:.1f}", row["catches"], row["cells"],
              row["seconds"], missing or "-"]
         )  # fmt: skip
-    return table(head, made)
+    return str(Table(head, made))
 
 
 def drawn(found: dict[str, Any]) -> str:
@@ -58,7 +58,7 @@ def drawn(found: dict[str, Any]) -> str:
         )
         for family, row in found.get(part, {}).items()
     ]
-    return table(["family", "checked by", "draws", "broken"], rows)
+    return str(Table(["family", "checked by", "draws", "broken"], rows))
 
 
 def times(rows: dict[str, Any]) -> str:
@@ -72,7 +72,7 @@ def times(rows: dict[str, Any]) -> str:
          _three(row["wall_ms"])]
         for name, row in rows.items()
     ]  # fmt: skip
-    return table(head, made)
+    return str(Table(head, made))
 
 
 def _three(values: dict[str, float]) -> str:

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from gcm_learn.evaluation.entrants import ActorMethod, Entrant, get_method
     from gcm_learn.evaluation.judging import complaints, judged_again, read_sheets
     from gcm_learn.evaluation.machine import passes
-    from gcm_learn.evaluation.measures import Table, pairs, shares
+    from gcm_learn.evaluation.measures import Table, pairs, ready, shares
     from gcm_learn.evaluation.report import page
     from gcm_learn.evaluation.sheet import Sheet
     from gcm_learn.evaluation.sources import Case, cases, check_sources, suite_lines
@@ -41,7 +41,7 @@ __getattr__ = late_names(__name__, {
     "entrants": ("ActorMethod", "Entrant", "get_method",),
     "judging": ("complaints", "judged_again", "read_sheets",),
     "machine": ("passes",),
-    "measures": ("Table", "pairs", "shares",),
+    "measures": ("Table", "pairs", "ready", "shares",),
     "report": ("page",),
     "sheet": ("Sheet",),
     "statistics": ("Interval", "beyond_chance", "chance", "difference", "hierarchical",
@@ -53,6 +53,6 @@ __all__ = [
     "ActorMethod", "after", "ask", "asked_for", "beyond_chance", "Case", "cases", "chance",
     "check_sources", "complaints", "Condition", "difference", "draw_suite", "Entrant",
     "FROZEN", "get_method", "hash_of", "hierarchical", "holm", "Interval", "judged_again",
-    "mcnemar", "page", "pairs", "passes", "read_sheets", "shares", "Sheet", "SHIPPED",
+    "mcnemar", "page", "pairs", "passes", "read_sheets", "ready", "shares", "Sheet", "SHIPPED",
     "stratified", "suite_lines", "Table", "wilson",
 ]  # fmt: skip

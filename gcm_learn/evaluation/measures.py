@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 from typing import Any
 
@@ -33,19 +33,20 @@ SHARES = ("caught", "touched", "broken", "error")
 class Table:
     """Rows of values under names; as text a table in Markdown."""
 
-    columns: tuple[str, ...]
-    rows: list[tuple[Any, ...]]
+    columns: Sequence[str]
+    rows: Sequence[Sequence[Any]]
 
     def __getitem__(self, name: str) -> list[Any]:
         """Return the values of a column."""
-        return [row[self.columns.index(name)] for row in self.rows]
+        place = list(self.columns).index(name)
+        return [row[place] for row in self.rows]
 
     def text(self) -> list[list[str]]:
         """Return the cells as text."""
         return [[cell(*pair) for pair in zip(self.columns, row, strict=True)] for row in self.rows]
 
     def __str__(self) -> str:
-        lines = [self.columns, ("---",) * len(self.columns), *self.text()]
+        lines = [list(self.columns), ["---"] * len(self.columns), *self.text()]
         return "\n".join("| " + " | ".join(line) + " |" for line in lines)
 
 
@@ -180,6 +181,13 @@ def _pair(mine: Sheet, other: Sheet, first: str, second: str) -> tuple[Any, ...]
     else:
         found = difference(a, b, mine["family"])
     return len(mine) // seeds, found, more, less, p
+
+
+def ready(sheet: Sheet) -> Sheet:
+    """Return the sheet with catches that took longer than what was charged as late."""
+    late = sheet.caught & (sheet["charged"] > 0.0) & (sheet["ms"] > 1e3 * sheet["charged"])
+    outcome = np.where(late & (sheet["thinking"] != "own"), "late", sheet["outcome"])
+    return replace(sheet, columns={**sheet.columns, "outcome": outcome.astype(object)})
 
 
 def curve(part: Sheet) -> tuple[np.ndarray, np.ndarray]:

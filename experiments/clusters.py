@@ -8,9 +8,9 @@ import numpy as np
 from sklearn.cluster import KMeans
 from sklearn.metrics import adjusted_mutual_info_score, adjusted_rand_score
 
-from experiments.common.tables import table
 from gcm_learn import seeding
 from gcm_learn.dataset import Record
+from gcm_learn.evaluation import Table
 from gcm_learn.recall import MEMORIES, Adaptation
 
 K = 16  # clusters of k-means
@@ -110,4 +110,4 @@ def shared(what: str, some: Experience, found: Tries) -> str:
     """Return the table of transfer where two memories or catches share a label, and where not."""
     head = [f"what two {what} share", "transfers where they do", "where not", "ratio"]
     labels = some.labels.items()
-    return table(head, [[name, *shares(transfers(found, values))] for name, values in labels])
+    return str(Table(head, [[name, *shares(transfers(found, values))] for name, values in labels]))
