@@ -7,25 +7,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from gcm_learn.arms import Chain, SpatialArm, hands_along
+from gcm_learn.arms import SpatialArm, hands_along
 from gcm_learn.envs import CatchArm3D, CatchChain, CatchChainPhysics, CatchChains
 from gcm_learn.motion import rules_of, verify
 from gcm_learn.scene import pack
-from gcm_learn.situation import Body, Situation, SolidQuadratic, Sphere, shipped_arm
+from tests.worlds import among, panda, solid_ball
 
-PANDA = Chain(shipped_arm("panda"), (0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785), 0.05)
-PI = ((-3.0, 3.0),) * 4
+PANDA = panda(0.05)
 SPATIAL = SpatialArm(
     upper_arm=(0.3, 0.0, 0.0), forearm=(0.3, 0.0, 0.0), joints=(0.2, 0.3, 0.1, -1.0),
-    joint_range=PI, max_joint_speed=(3.0,) * 4, grasp=0.05, thickness=0.02,
+    joint_range=((-3.0, 3.0),) * 4, max_joint_speed=(3.0,) * 4, grasp=0.05, thickness=0.02,
 )  # fmt: skip
 ENVS = {"chain": (CatchChain, PANDA), "physics": (CatchChainPhysics, PANDA),
         "spatial": (CatchArm3D, SPATIAL)}  # fmt: skip
-FAR = (0.0, 3.0, 0.0)
-
-
-def ball(name, place, role="target", velocity=(0.0, 0.0, 0.0)):
-    return Body(role, name, Sphere(0.02), SolidQuadratic(tuple(place), velocity, (0.0, 0.0, 0.0)))
 
 
 def places(arm, *turns):
@@ -35,13 +29,20 @@ def places(arm, *turns):
     return hands_along(arm, joints)[0].tolist()
 
 
+def target(name, place):
+    return solid_ball(name, place, role="target")
+
+
+FAR = target("far", (0.0, 3.0, 0.0))
+
+
 def asking(arm, catch, *bodies):
-    return Situation("several", 3.0, arm, bodies, catch=catch, format="gcm-learn/situation@3")
+    return among(arm, *bodies, horizon=3.0, catch=catch, format="gcm-learn/situation@3")
 
 
 def two_balls(arm, catch="all"):
     first, second = places(arm, 0.6, -0.5)
-    return asking(arm, catch, ball("first", first), ball("second", second))
+    return asking(arm, catch, target("first", first), target("second", second))
 
 
 def played(env, steps=200):
@@ -103,7 +104,7 @@ def test_a_caught_target_is_observed_no_more(name):
 def test_a_missed_target_is_a_failure_of_all_and_not_of_most(name, catch, outcome):
     make, arm = ENVS[name]
     (first,) = places(arm, 0.6)
-    env = make(situations=asking(arm, catch, ball("first", first), ball("far", FAR)))
+    env = make(situations=asking(arm, catch, target("first", first), FAR))
     *_, (_, _, ended, late, info) = played(env)
     assert info["time"] == pytest.approx(3.0) and info["caught"] == ("first",)
     assert (info["outcome"], info["is_success"]) == (outcome, outcome == "caught")
@@ -114,8 +115,8 @@ def test_a_missed_target_is_a_failure_of_all_and_not_of_most(name, catch, outcom
 def test_a_touch_ends_an_episode_after_a_catch(name):
     make, arm = ENVS[name]
     (first,) = places(arm, 0.6)
-    hammer = ball("hammer", (first[0], first[1], first[2] + 3.0), "obstacle", (0.0, 0.0, -1.2))
-    env = make(situations=asking(arm, "all", ball("first", first), ball("far", FAR), hammer))
+    hammer = solid_ball("hammer", np.add(first, (0.0, 0.0, 3.0)), (0.0, 0.0, -1.2))
+    env = make(situations=asking(arm, "all", target("first", first), FAR, hammer))
     observation, _ = env.reset(seed=0)
     straight, n, over = env.settings.straight, env.settings.commands, False
     caught: tuple = ()
@@ -153,8 +154,8 @@ def test_many_arms_say_what_was_caught():
 
 
 def test_one_pool_holds_situations_with_one_and_with_several_targets():
-    one = asking(PANDA, "any", two_balls(PANDA).bodies[1])
-    env = CatchChain(situations=[one, two_balls(PANDA), replace(two_balls(PANDA), catch="most")])
+    one, two = asking(PANDA, "any", two_balls(PANDA).bodies[1]), two_balls(PANDA)
+    env = CatchChain(situations=[one, two, replace(two, catch="most")])
     for index, count in ((1, 2), (0, 1), (2, 2)):
         observation, info = env.reset(options={"index": index})
         assert info["caught"] == ()

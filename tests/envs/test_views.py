@@ -1,7 +1,5 @@
 """Observations with maps and embeddings."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

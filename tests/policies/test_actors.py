@@ -1,7 +1,5 @@
 """Actors: choices, networks as arrays, demonstrations, trying out."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
@@ -18,22 +16,15 @@ from gcm_learn.policies.cloning import act_out
 from gcm_learn.policies.directions import MEETING, REST, aimed_of, choices_of, chosen, turned
 from gcm_learn.policies.planner import ActorPlanner
 from gcm_learn.situation.canonical import canonical
+from tests.policies.conftest import constant_actor, leaning_in_space
 
 SETTINGS = Settings(fan=True)
 
 
 def straight_actor(head="choice"):
     """An actor that always goes straight to where the target can be met."""
-    width = SETTINGS.width
-    if head == "choice":
-        weights, bias = np.zeros((RAYS, width), np.float32), np.zeros(RAYS, np.float32)
-        bias[0] = 3.0
-    else:
-        weights, bias = np.zeros((2, width), np.float32), np.array([1.0, 0.0], np.float32)
-    return Actor(
-        layers=((weights, bias),), mean=np.zeros(width), deviation=np.ones(width), head=head,
-        activation="relu", squash=False, spread=np.zeros(2), settings=SETTINGS,
-    )  # fmt: skip
+    scores = 3.0 * np.eye(RAYS)[0] if head == "choice" else (1.0, 0.0)
+    return constant_actor(SETTINGS, scores, head)
 
 
 @pytest.fixture(scope="module")
@@ -94,12 +85,14 @@ def test_tried_out_ways_are_verified_plans(drawn):
     assert {"caught", "unreachable"} <= set(outcomes)
 
 
-def test_files_hold_the_same_actor(tmp_path, rng):
-    actor = replace(straight_actor(), mean=rng.normal(size=SETTINGS.width))
+@pytest.mark.parametrize("made", [straight_actor(), leaning_in_space(7)], ids=["plane", "space"])
+def test_files_hold_the_same_actor(made, tmp_path, rng):
+    actor = replace(made, mean=rng.normal(size=made.settings.width))
     actor.save(tmp_path)
     again = Actor.load(tmp_path)
-    observations = rng.normal(size=(5, SETTINGS.width)).astype(np.float32)
+    observations = rng.normal(size=(5, made.settings.width)).astype(np.float32)
     np.testing.assert_array_equal(again.scores(observations), actor.scores(observations))
+    np.testing.assert_array_equal(again.act(observations), actor.act(observations))
     assert (again.settings, again.head) == (actor.settings, actor.head)
     with pytest.raises(PolicyError, match="there is no trained policy"):
         Actor.load(tmp_path / "nowhere")

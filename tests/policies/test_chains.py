@@ -1,7 +1,5 @@
 """Policies of chains: in the arena, in comparisons, and as planners."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Catches as Minari episodes: the arena's own observations, and an environment to recover."""
 
-from __future__ import annotations
-
 import warnings
 
 import numpy as np
@@ -17,26 +15,26 @@ from gcm_learn.policies import export_minari  # noqa: E402
 SAMPLES = {"CatchArm": "sample", "CatchArm3D": "sample-space"}
 
 
-@pytest.fixture(params=SAMPLES)
+@pytest.fixture(scope="module", params=SAMPLES)
 def name(request):
     """Return the name of an environment."""
     return request.param
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def records(name):
     """Return records for its arms."""
     return dataset.open(artifacts.shipped("data") / SAMPLES[name])[:24]
 
 
-@pytest.fixture
-def exported(records, tmp_path, monkeypatch):
+@pytest.fixture(scope="module")
+def exported(records, tmp_path_factory):
     """Return the records as Minari reads them."""
-    monkeypatch.setenv("MINARI_DATASETS_PATH", str(tmp_path))
-    with warnings.catch_warnings():
+    with pytest.MonkeyPatch.context() as patch, warnings.catch_warnings():
+        patch.setenv("MINARI_DATASETS_PATH", str(tmp_path_factory.mktemp("minari")))
         warnings.simplefilter("error")
         export_minari(records, "gcm-learn/try-v0", settings={"slots": 4})
-        return minari.load_dataset("gcm-learn/try-v0")
+        yield minari.load_dataset("gcm-learn/try-v0")
 
 
 def test_the_arena_plays_the_episodes_again(name, records, exported):

@@ -1,7 +1,5 @@
 """Models of Stable-Baselines3 from outside: files without code, scaled and recurrent ones."""
 
-from __future__ import annotations
-
 import base64
 import json
 import pickle

@@ -1,7 +1,5 @@
 """What trains does not judge: splits, seeds, and steps that are held out."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np
@@ -16,27 +14,16 @@ from gcm_learn.policies.situations import gather
 CONFIGURATIONS = sorted((Path(__file__).parents[2] / "experiments").glob("*/*.yml"))
 
 
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    """A dataset with all kinds of splits."""
-    pytest.importorskip("pyarrow")
-    from tests.dataset.conftest import MARKED, make_here
-
-    place = str(tmp_path_factory.mktemp("marked"))
-    make_here(MARKED, place)
-    return place
-
-
 @pytest.mark.parametrize("split", ["train", "validation"])
-def test_a_share_of_a_dataset_is_of_one_split(folder, split):
+def test_a_share_of_a_dataset_is_of_one_split(marked_folder, split):
     from gcm_learn import dataset
 
-    wanted = [record.situation for record in dataset.open(folder).where(split=split)]
-    lot = gather([Share(folder, 1000, split=split)], plans=True)
+    wanted = [record.situation for record in dataset.open(marked_folder).where(split=split)]
+    lot = gather([Share(marked_folder, 1000, split=split)], plans=True)
     assert lot.situations == wanted and len(wanted) > 5
     if split == "train":  # also what is taken if nobody says which
-        assert gather([Share(folder, 1000)], plans=False).situations == wanted
-        assert situations_of(folder, 1000, 0) == wanted
+        assert gather([Share(marked_folder, 1000)], plans=False).situations == wanted
+        assert situations_of(marked_folder, 1000, 0) == wanted
 
 
 def drawn(seed):
