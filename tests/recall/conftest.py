@@ -1,7 +1,5 @@
 """A memory of random catches, made once."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

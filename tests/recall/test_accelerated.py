@@ -1,7 +1,5 @@
 """Recall under limits of acceleration: catches keep their timing, and are retimed where needed."""
 
-from __future__ import annotations
-
 import copy
 from dataclasses import replace
 
@@ -12,13 +10,7 @@ from hypothesis import assume, given, settings
 from gcm_learn import get_planner, solve
 from gcm_learn.recall import RecallPlanner, waypoints_of
 from gcm_learn.recall.joint_moves import EARLIEST, TIME
-from gcm_learn.situation import (
-    Body,
-    SolidQuadratic,
-    Sphere,
-    canonical,
-    situation_from_json,
-)
+from gcm_learn.situation import canonical, situation_from_json
 from tests import strategies
 from tests.judging import judge
 from tests.planners.test_fuzz import answered
@@ -26,22 +18,12 @@ from tests.planners.test_joint_fuzz import wild_situations
 from tests.recall.conftest import memory_in_space
 from tests.recall.worlds import LIMITED, catches_of, memory_of
 from tests.situation.scenes import MOVING
+from tests.worlds import solid_ball
 
 
-@pytest.fixture(scope="module")
-def catches():
-    """Situations under such limits with their catches."""
-    return catches_of(LIMITED)
-
-
-@pytest.fixture(scope="module")
-def memory():
-    """A memory of them."""
-    return memory_of(LIMITED)
-
-
-def test_a_catch_keeps_its_timing_where_it_was_made(memory, catches):
+def test_a_catch_keeps_its_timing_where_it_was_made():
     """Where it was made it is mostly one of its own times, and its way."""
+    memory, catches = memory_of(LIMITED), catches_of(LIMITED)
     planner, own, ways = RecallPlanner(memory, 1, novelty=0.0), 0, []
     for k, (situation, plan) in enumerate(catches):
         found = planner.recollect(situation)
@@ -53,7 +35,8 @@ def test_a_catch_keeps_its_timing_where_it_was_made(memory, catches):
     assert np.median([np.abs(way).max() for way in ways]) < 0.2
 
 
-def test_weaker_joints_keep_the_way_and_need_more_time(memory, catches):
+def test_weaker_joints_keep_the_way_and_need_more_time():
+    memory, catches = memory_of(LIMITED), catches_of(LIMITED)
     planner, retimed = RecallPlanner(memory, 1, novelty=0.0), 0
     for k, (situation, plan) in enumerate(catches):
         arm = situation.arm
@@ -70,9 +53,9 @@ def test_weaker_joints_keep_the_way_and_need_more_time(memory, catches):
     assert retimed >= 3
 
 
-def test_knots_of_a_curve_tell_its_course_and_only_rests_are_waits(catches):
+def test_knots_of_a_curve_tell_its_course_and_only_rests_are_waits():
     waiting = 0
-    for situation, plan in catches:
+    for situation, plan in catches_of(LIMITED):
         knots, path = waypoints_of(situation, plan).knots.astype(float), plan.trajectory
         turned = canonical(situation)[1]
         assert knots[-1, TIME] == pytest.approx(plan.catch_time, rel=1e-6)
@@ -87,31 +70,27 @@ def test_knots_of_a_curve_tell_its_course_and_only_rests_are_waits(catches):
 
 
 @pytest.mark.slow
-def test_memories_without_such_limits_serve_under_them_and_the_other_way_round(memory):
+def test_memories_without_such_limits_serve_under_them_and_the_other_way_round():
     """What is kept is the same for both, so folders from before such limits were known load."""
     free = list(replace(LIMITED, accelerates=False).drawn(313, 24))
     plans = [solve(s, "search") for s in free]
     found = [(s, p) for s, p in zip(free, plans, strict=True) if p.caught]
     unlimited = memory_in_space(found)
+    memory = memory_of(LIMITED)
     assert unlimited.knots.shape[1:] == memory.knots.shape[1:]
     served = [RecallPlanner(unlimited).plan(s).caught for s in LIMITED.drawn(314, 24)]
     assert sum(served) >= 8
     assert sum(RecallPlanner(memory).plan(s).caught for s in free) >= 8
 
 
-def test_what_touches_at_all_times_is_pushed_aside(catches):
+def test_what_touches_at_all_times_is_pushed_aside():
     """A ball rests where the hand comes through halfway, so no other time helps."""
     pushed = 0
-    for situation, plan in catches:
+    for situation, plan in catches_of(LIMITED):
         if plan.catch_time < 0.2:
             continue
-        place = tuple(plan.trajectory.hand_at(0.5 * plan.catch_time).tolist())
-        ball = Body(
-            "obstacle",
-            "in the way",
-            Sphere(0.06),
-            SolidQuadratic(place, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)),
-        )
+        place = plan.trajectory.hand_at(0.5 * plan.catch_time)
+        ball = solid_ball("in the way", place, radius=0.06)
         blocked = replace(situation, bodies=(*situation.bodies, ball))
         planner = RecallPlanner(memory_in_space([(situation, plan)]), 1, novelty=0.0)
         found = planner.plan(blocked)
@@ -137,9 +116,6 @@ def test_hybrid_keeps_deadlines_and_bounds():
             if plan.caught:
                 assert judge(situation, plan) == []
     assert sooner > 0 and bounded > 0
-
-
-# --- any situation ---------------------------------------------------------------------------
 
 
 @pytest.fixture(scope="module")

@@ -1,26 +1,14 @@
 """Bending adapted paths: a look that leaves nothing out, changes that help, verdicts that hold."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
-from gcm_learn import Arm, Body, Disc, PlanarQuadratic, Situation, seeding
+from gcm_learn import Arm, recall, seeding
 from gcm_learn.families import draw, get_family
 from gcm_learn.families.random_planar import random_planar
 from gcm_learn.planners import Problem, checked
 from gcm_learn.planners.baselines.straight import StraightPlanner
-from gcm_learn.recall import (
-    Adaptation,
-    Memory,
-    RandomIndex,
-    RecallPlanner,
-    Waypoints,
-    adapt,
-    hand_pushes,
-    transfer,
-    waypoints_of,
-)
+from gcm_learn.recall import hand_pushes
 from gcm_learn.recall.adaptation import INSTANTS, query_of
 from gcm_learn.recall.freeing import free as freed
 from gcm_learn.recall.freeing import quick_check
@@ -31,20 +19,16 @@ from gcm_learn.recall.styles import POLAR as POLAR_SPACE
 from gcm_learn.recall.waypoints import EARLIEST, TIME
 from gcm_learn.scene.bodies import poses_at
 from tests.recall.conftest import stacked
+from tests.worlds import among, disc
 
-BARE, BENT = Adaptation(bends=0), Adaptation()
+BARE, BENT = recall.Adaptation(bends=0), recall.Adaptation()
 POLAR = Style(POLAR_SPACE, HURRY)
-
-
-def still(x, y):
-    return PlanarQuadratic((x, y), (0.0, 0.0), (0.0, 0.0))
 
 
 def scene(*obstacles, horizon=2.0):
     """A hand at (1.4, -0.8), a target at (1.4, 0.8), and obstacles between or beside them."""
-    ball = Body("target", "ball", Disc(0.06), still(1.4, 0.8))
-    arm = Arm((1.4, -0.8), 3.0)
-    return Situation("between", horizon, arm, (ball, *obstacles))
+    ball = disc("ball", (1.4, 0.8), role="target", radius=0.06)
+    return among(Arm((1.4, -0.8), 3.0), ball, *obstacles, horizon=horizon)
 
 
 def straight():
@@ -52,15 +36,15 @@ def straight():
     empty = scene()
     plan = StraightPlanner().plan(empty)
     assert plan.caught
-    return waypoints_of(empty, plan)
+    return recall.waypoints_of(empty, plan)
 
 
 def times(situation, trace, how):
-    return transfer(situation, trace.knots[None], trace.goal[None], how=how)[0]
+    return recall.transfer(situation, trace.knots[None], trace.goal[None], how=how)[0]
 
 
 def test_a_path_is_pushed_aside_of_what_stands_in_its_way():
-    stone = Body("obstacle", "stone", Disc(0.1), still(1.4, 0.0))
+    stone = disc("stone", (1.4, 0.0), radius=0.1)
     assert times(scene(), straight(), BARE) >= 0.0
     assert times(scene(stone), straight(), BARE) < 0.0
     assert times(scene(stone), straight(), BENT) >= 0.0
@@ -68,8 +52,9 @@ def test_a_path_is_pushed_aside_of_what_stands_in_its_way():
 
 def test_a_path_is_held_back_until_it_is_free():
     """A wall as long as the arm, which no bump goes round, leaves while there is time."""
-    leaves = [PlanarQuadratic((0.6 + 0.2 * k, 0.0), (0.0, 0.0), (6.0, 0.0)) for k in range(9)]
-    situation = scene(*(Body("obstacle", f"w{k}", Disc(0.13), way) for k, way in enumerate(leaves)))
+    leaves = [(f"w{k}", (0.6 + 0.2 * k, 0.0)) for k in range(9)]
+    wall = [disc(*one, radius=0.13, acceleration=(6.0, 0.0)) for one in leaves]
+    situation = scene(*wall)
     soonest = times(scene(), straight(), BARE)
     assert times(situation, straight(), BARE) < 0.0
     assert times(situation, straight(), BENT) > soonest + 0.1
@@ -80,7 +65,7 @@ def test_a_wait_that_would_be_too_long_is_left_out():
     knots = trace.knots.copy()
     knots[1:, TIME] += 3.0
     knots[1:, EARLIEST] = knots[1:, TIME]
-    late = Waypoints(knots, trace.goal)
+    late = recall.Waypoints(knots, trace.goal)
     assert times(scene(), late, BARE) < 0.0
     assert times(scene(), late, BENT) == pytest.approx(times(scene(), trace, BARE), abs=1e-6)
 
@@ -89,7 +74,7 @@ def test_a_detour_that_would_be_too_long_is_cut():
     trace = straight()
     knots = trace.knots.copy()
     knots[:, 1] -= 0.45 * np.sin(np.linspace(0.0, np.pi, len(knots)))
-    far = Waypoints(knots.astype(np.float32), trace.goal)
+    far = recall.Waypoints(knots.astype(np.float32), trace.goal)
     short = scene(horizon=1.15 * float(times(scene(), trace, BARE)))
     assert times(scene(), far, BARE) > short.horizon
     assert times(short, far, BARE) < 0.0
@@ -140,10 +125,12 @@ def test_bending_makes_more_memories_valid_and_they_are_verified(traces, family,
         if problem.early_answer() is not None:
             continue
         some = rng.integers(len(traces), size=8)
-        before, after = (transfer(problem, knots, goals, some, how) >= 0.0 for how in (BARE, BENT))
+        before, after = (
+            recall.transfer(problem, knots, goals, some, how) >= 0.0 for how in (BARE, BENT)
+        )
         bare, bent, lost = bare + before.sum(), bent + after.sum(), lost + (before & ~after).sum()
         for m in some[after & ~before].tolist():
-            attempt = adapt(problem, traces[m], BENT)
+            attempt = recall.adapt(problem, traces[m], BENT)
             good += attempt is not None and checked(problem, attempt)[0] is not None
     assert bent > 1.3 * bare > 10
     assert lost <= 0.01 * bare
@@ -152,13 +139,15 @@ def test_bending_makes_more_memories_valid_and_they_are_verified(traces, family,
 
 def test_every_memory_is_checked_once_however_much_it_is_bent(catches, traces):
     """One try asks one memory; a path that still looks as if it touched counts as checked."""
-    memory = Memory(RandomIndex())
+    memory = recall.Memory(recall.RandomIndex())
     memory.add([situation for situation, _ in catches], traces)
     failed = 0
     for k in range(40):
         situation = random_planar(seeding.rng(79, k))
         for tries in (1, 3):
-            found = RecallPlanner(memory, tries, novelty=0.0, penalty=0.0).recollect(situation)
+            found = recall.RecallPlanner(memory, tries, novelty=0.0, penalty=0.0).recollect(
+                situation
+            )
             assert found.checked <= tries
             if (
                 found.plan.failure is not None
@@ -168,7 +157,7 @@ def test_every_memory_is_checked_once_however_much_it_is_bent(catches, traces):
                 place = memory.index.embed_query(situation)
                 chosen = memory.recall(place, tries)
                 assert found.checked == tries
-                assert (transfer(situation, memory.knots, memory.goals, chosen) < 0.0).all()
+                assert (recall.transfer(situation, memory.knots, memory.goals, chosen) < 0.0).all()
                 failed += 1
     assert failed > 10
 

@@ -1,7 +1,5 @@
 """Recall of chains: movements of any number of joints, turned to the target, verified."""
 
-from __future__ import annotations
-
 import json
 import math
 from dataclasses import replace
@@ -10,21 +8,12 @@ from functools import cache
 import numpy as np
 import pytest
 
-from gcm_learn import families, get_planner, seeding
+from gcm_learn import families, get_planner, recall, seeding
 from gcm_learn.arms import CHAIN
 from gcm_learn.cli import main
 from gcm_learn.errors import ArmKindError, RecallError
 from gcm_learn.families import family_from_dict
 from gcm_learn.planners import plan_to_json
-from gcm_learn.recall import (
-    HybridPlanner,
-    Memory,
-    RawIndex,
-    RecallPlanner,
-    raw_features,
-    waypoints_of,
-    with_memory,
-)
 from gcm_learn.recall.headings import heading_of, nearest_target
 from gcm_learn.referee import judge
 from gcm_learn.scene import pack
@@ -47,8 +36,8 @@ def catches():
 def memory():
     """A memory of them."""
     situations = [situation for situation, _ in catches()]
-    made = Memory(RawIndex.fit(situations), kind=CHAIN)
-    made.add(situations, [waypoints_of(situation, plan) for situation, plan in catches()])
+    made = recall.Memory(recall.RawIndex.fit(situations), kind=CHAIN)
+    made.add(situations, [recall.waypoints_of(situation, plan) for situation, plan in catches()])
     return made
 
 
@@ -79,14 +68,16 @@ def complaints(situation, plan):
 def test_a_turn_about_the_first_joint_changes_nothing_but_its_range():
     for situation, plan in catches()[:5]:
         other = turned(situation, fitting_turn(situation, plan))
-        ours, theirs = raw_features(situation), raw_features(other)
+        ours, theirs = recall.raw_features(situation), recall.raw_features(other)
         same = np.arange(ours.size) // 2 != 7  # numbers 14 and 15 are the range
         assert np.allclose(ours[same], theirs[same], atol=1e-5)
         assert not np.allclose(ours[14:16], theirs[14:16], atol=1e-2)
         joints = plan.trajectory.joints.copy()
         joints[:, 0] += fitting_turn(situation, plan)
-        its = waypoints_of(other, replace(plan, trajectory=replace(plan.trajectory, joints=joints)))
-        mine = waypoints_of(situation, plan)
+        its = recall.waypoints_of(
+            other, replace(plan, trajectory=replace(plan.trajectory, joints=joints))
+        )
+        mine = recall.waypoints_of(situation, plan)
         assert np.allclose(its.knots[[0, -1]], mine.knots[[0, -1]], atol=1e-5)
         assert np.allclose(its.goal, mine.goal, atol=1e-5)
 
@@ -103,7 +94,7 @@ def test_the_target_is_ahead():
 
 def test_memories_stay_with_arms_of_as_many_joints(tmp_path):
     memory().save(tmp_path / "panda")
-    loaded = Memory.load(tmp_path / "panda")
+    loaded = recall.Memory.load(tmp_path / "panda")
     assert loaded.kind == CHAIN and loaded.index.key == memory().index.key
     assert np.array_equal(loaded.knots, memory().knots) and loaded.columns == 9
     assert json.loads((tmp_path / "panda" / "manifest.json").read_text())["format"] == (
@@ -111,9 +102,9 @@ def test_memories_stay_with_arms_of_as_many_joints(tmp_path):
     )
     other = family_from_dict({"family": "throw-chain", "arm": {"model": "ur5"}})
     with pytest.raises(ArmKindError, match="holds catches of 7 joints, this arm has 6; `"):
-        RecallPlanner(loaded).plan(other.draw(seeding.rng(3, 0), "other"))
+        recall.RecallPlanner(loaded).plan(other.draw(seeding.rng(3, 0), "other"))
     with pytest.raises(RecallError, match="planner 'search': takes no memory"):
-        with_memory("search", loaded)
+        recall.with_memory("search", loaded)
 
 
 @pytest.mark.slow
@@ -129,7 +120,7 @@ def test_the_command_solves_with_the_memory_of_a_folder(tmp_path, capsys):
 
 
 def test_a_memory_of_a_chain_recalls_its_own_catches():
-    planner, own = RecallPlanner(memory()), 0
+    planner, own = recall.RecallPlanner(memory()), 0
     for k, (situation, _) in enumerate(catches()):
         found = planner.recollect(situation)
         own += found.memory == k
@@ -141,8 +132,8 @@ def test_a_memory_of_a_chain_recalls_its_own_catches():
 def test_recall_and_hybrid_catch_in_situations_that_are_new():
     caught = {"recall": 0, "hybrid": 0}
     for name in caught:
-        planner = with_memory(name, memory())
-        assert isinstance(planner, HybridPlanner) == (name == "hybrid")
+        planner = recall.with_memory(name, memory())
+        assert isinstance(planner, recall.HybridPlanner) == (name == "hybrid")
         for k in range(12):
             situation = families.draw(FAMILY, 8, k)
             plan = planner.plan(situation)
@@ -155,7 +146,7 @@ def test_recall_and_hybrid_catch_in_situations_that_are_new():
 
 @pytest.mark.slow
 def test_a_memory_without_limits_serves_chains_with_limits_of_acceleration():
-    planner, caught = RecallPlanner(memory()), 0
+    planner, caught = recall.RecallPlanner(memory()), 0
     for k in range(24):
         situation = families.draw("panda-crowded-accelerated", 9, k)
         plan = planner.plan(situation)

@@ -1,7 +1,5 @@
 """What is looked at: the world at t = 0 as the arm finds it, not how it is written down."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
@@ -20,17 +18,14 @@ from gcm_learn.recall.hand_features import (
     RINGS,
     clearance_features,
 )
-from gcm_learn.situation import Body, Disc, PlanarQuadratic
+from gcm_learn.situation import PlanarQuadratic
 from gcm_learn.situation.canonical import canonical
 from tests.transforms import mirrored, turned
+from tests.worlds import disc
 
 
 def drawn(k, family=random_planar):
     return family(seeding.rng(91, k))
-
-
-def rest(position):
-    return PlanarQuadratic(position, (0.0, 0.0), (0.0, 0.0))
 
 
 def same(here, there):
@@ -57,7 +52,7 @@ def test_the_order_of_bodies_does_not_matter_but_for_the_order_of_rows():
 
 def test_a_body_that_cannot_be_met_is_not_seen():
     situation = drawn(3)
-    far = Body("obstacle", "moon", Disc(0.5), rest((40.0, 0.0)))
+    far = disc("moon", (40.0, 0.0), radius=0.5)
     seen = clearance_features(replace(situation, bodies=(*situation.bodies, far)))
     np.testing.assert_array_equal(seen.cells, clearance_features(situation).cells)
 

@@ -1,7 +1,5 @@
 """What is held out stays out of training, exams, memories and what indexes are fitted to."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 
@@ -21,24 +19,15 @@ from gcm_learn.recall.hand_features import clearance_features
 from gcm_learn.recall.transfer_labels import Sizes, TransferLabels
 from gcm_learn.scene.bodies import TOP_SPEED
 from gcm_learn.scene.packing import pack
-from tests.dataset.conftest import MARKED, make_here
 
 DATA = Path(__file__).parents[2] / "data"
 GRASP, UPPER_ARM = -4, -8  # columns of a look's context
 
 
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    """A dataset with all kinds of splits."""
-    place = str(tmp_path_factory.mktemp("marked"))
-    make_here(MARKED, place)
-    return place
-
-
 @pytest.fixture
-def records(folder):
-    """Return its records, of which each split has some."""
-    found = dataset.open(folder)
+def records(marked_folder):
+    """Return records of which each split has some."""
+    found = dataset.open(marked_folder)
     assert set(found.column("split")) == {"train", "validation", "test", "test-gate", "test-long"}
     return found
 
@@ -95,10 +84,10 @@ def test_labels_draw_neither_a_family_nor_a_range_that_is_held_out(labels):
 
 
 @pytest.mark.parametrize("split", [None, "train", "validation", "test-gate"])
-def test_a_memory_holds_one_split_alone(records, folder, tmp_path, split):
+def test_a_memory_holds_one_split_alone(records, marked_folder, tmp_path, split):
     """By default that for training, to which its index is fitted too."""
     chosen = [] if split is None else ["--split", split]
-    assert main(["memory", "make", folder, "--out", str(tmp_path / "memory"), *chosen]) == 0
+    assert main(["memory", "make", marked_folder, "--out", str(tmp_path / "memory"), *chosen]) == 0
     memory, split = Memory.load(tmp_path / "memory"), split or "train"
     assert memory.situations() == catches_of(records, split)
     assert memory.index.key == RawIndex.fit([r.situation for r in records.where(split=split)]).key

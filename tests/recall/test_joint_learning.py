@@ -11,6 +11,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tests.refusals import refusal
+from tests.worlds import solid_ball
+
 pytest.importorskip("torch")
 pytest.importorskip("safetensors")
 pytest.importorskip("pyarrow")
@@ -27,7 +30,7 @@ from gcm_learn.recall.features import TOUCH, joint_count, joint_path_features, s
 from gcm_learn.recall.joint_features import CELLS, FREE, posture_features
 from gcm_learn.recall.kinds import MEMORIES
 from gcm_learn.recall.waypoints import GOAL
-from gcm_learn.situation import Body, SolidQuadratic, Sphere, canonical
+from gcm_learn.situation import canonical
 from tests.recall.test_chain_recall import turned
 from tests.recall.test_joint_recall import mirrored
 
@@ -84,12 +87,6 @@ def case(request):
     return CASES[request.param]
 
 
-def ball(place, radius=0.05):
-    """A ball at rest."""
-    still = SolidQuadratic(tuple(float(v) for v in place), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
-    return Body("obstacle", f"ball at {place[0]:.2f}", Sphere(radius), still)
-
-
 @pytest.mark.parametrize("k", range(6))
 def test_a_turn_or_a_mirror_changes_nothing(case, k):
     situation = canonical(families.draw(case.names[k % 2], 31, k))[0]
@@ -104,8 +101,8 @@ def test_a_turn_or_a_mirror_changes_nothing(case, k):
 def test_each_obstacle_is_seen_alone_and_those_far_away_are_not(case):
     situation = canonical(families.draw(case.names[0], 32, 1))[0]
     reach = situation.arm.reach
-    near = ball((0.5 * reach, 0.1, 0.3 * reach), 0.05 * reach)
-    far = ball(((2.0 + FREE) * reach, 0.0, 0.0), 0.05 * reach)
+    near = solid_ball("near", (0.5 * reach, 0.1, 0.3 * reach), radius=0.05 * reach)
+    far = solid_ball("far", ((2.0 + FREE) * reach, 0.0, 0.0), radius=0.05 * reach)
     alone = posture_features(replace(situation, bodies=(*situation.targets, near))).cells
     both = posture_features(replace(situation, bodies=(*situation.targets, far, near))).cells
     assert len(alone) == 1 and np.array_equal(alone, both)
@@ -208,10 +205,11 @@ def test_an_encoder_keeps_to_the_number_of_joints_that_it_learned_from(tmp_path,
 
 def test_encoders_of_chains_embed_no_maps():
     assert EncoderConfig(memory="map", arm=SPATIAL.name).uses_maps
-    with pytest.raises(EncoderError, match="'map' needs maps; chains have none"):
-        EncoderConfig(memory="map", arm=CHAIN.name)
-    with pytest.raises(EncoderError, match="arm: must be one of planar, spatial, chain"):
-        EncoderConfig(arm="other")
+    for given, words in (
+        ({"memory": "map", "arm": CHAIN.name}, "'map' needs maps; chains have none"),
+        ({"arm": "other"}, "arm: must be one of planar, spatial, chain"),
+    ):
+        assert words in refusal(EncoderError, EncoderConfig, **given)
 
 
 @pytest.mark.parametrize("k", range(4))

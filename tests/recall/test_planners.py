@@ -1,36 +1,29 @@
 """Planners that recall keep the promise of "caught", and say what they lack."""
 
-from __future__ import annotations
-
 import pytest
 
 from gcm_learn import get_planner, seeding, solve
+from gcm_learn import recall as recalling
 from gcm_learn.errors import RecallError
 from gcm_learn.families.random_planar import random_planar
 from gcm_learn.families.random_solid import random_solid
 from gcm_learn.planners import GAIN
 from gcm_learn.planners.layered_front import layered
-from gcm_learn.recall import (
-    Adaptation,
-    HybridPlanner,
-    Memory,
-    RandomIndex,
-    RawIndex,
-    RecallPlanner,
-    SplinesPlanner,
-    unverified,
-)
 from tests.judging import judge
 from tests.recall.conftest import limited
 from tests.transforms import turned
 
 PLANNERS = {
-    "recall": lambda memory: RecallPlanner(memory),
-    "recall-1": lambda memory: RecallPlanner(memory, 1, "recall-1", novelty=0.0),
-    "hybrid": lambda memory: HybridPlanner(RecallPlanner(memory)),
-    "recall-random": lambda memory: RecallPlanner(memory.refiled(RandomIndex())),
-    "both": lambda memory: RecallPlanner(memory, how=Adaptation("cartesian", "both")),
-    "splines-random": lambda memory: SplinesPlanner(),
+    "recall": lambda memory: recalling.RecallPlanner(memory),
+    "recall-1": lambda memory: recalling.RecallPlanner(memory, 1, "recall-1", novelty=0.0),
+    "hybrid": lambda memory: recalling.HybridPlanner(recalling.RecallPlanner(memory)),
+    "recall-random": lambda memory: recalling.RecallPlanner(
+        memory.refiled(recalling.RandomIndex())
+    ),
+    "both": lambda memory: recalling.RecallPlanner(
+        memory, how=recalling.Adaptation("cartesian", "both")
+    ),
+    "splines-random": lambda memory: recalling.SplinesPlanner(),
 }
 
 
@@ -53,15 +46,15 @@ def test_every_catch_keeps_the_promise(memory, name, family, count):
 def test_more_candidates_catch_no_less(memory):
     counts = []
     for candidates in (1, 3, 10):
-        planner = RecallPlanner(memory, candidates, novelty=0.0)
+        planner = recalling.RecallPlanner(memory, candidates, novelty=0.0)
         situations = [random_planar(seeding.rng(74, k)) for k in range(60)]
         counts.append({k for k, s in enumerate(situations) if planner.plan(s).caught})
     assert counts[0] <= counts[1] <= counts[2] and len(counts[0]) < len(counts[2])
 
 
 def test_the_hybrid_catches_what_either_catches(memory):
-    recall, plan = RecallPlanner(memory, 2), layered()
-    hybrid = HybridPlanner(recall, plan)
+    recall, plan = recalling.RecallPlanner(memory, 2), layered()
+    hybrid = recalling.HybridPlanner(recall, plan)
     for k in range(40):
         situation = random_planar(seeding.rng(75, k))
         either = recall.plan(situation).caught or plan.plan(situation).caught
@@ -84,8 +77,8 @@ class Asked:
 
 def test_with_a_deadline_the_hybrid_is_never_worse_than_what_it_recalls(memory):
     """At once the recalled catch; with time left an earlier one, which that one bounds."""
-    recall, asked, sooner = RecallPlanner(memory, 5), Asked(), 0
-    hybrid = HybridPlanner(recall, asked)
+    recall, asked, sooner = recalling.RecallPlanner(memory, 5), Asked(), 0
+    hybrid = recalling.HybridPlanner(recall, asked)
     for k in range(60):
         situation = random_planar(seeding.rng(76, k))
         first = recall.plan(situation)
@@ -105,8 +98,8 @@ def test_with_a_deadline_the_hybrid_is_never_worse_than_what_it_recalls(memory):
 
 
 def test_the_hybrid_keeps_a_bound_and_asks_who_knows_no_deadline_only_in_need(memory):
-    recall, asked, late = RecallPlanner(memory, 5), Asked(), 0
-    hybrid = HybridPlanner(recall, asked)
+    recall, asked, late = recalling.RecallPlanner(memory, 5), Asked(), 0
+    hybrid = recalling.HybridPlanner(recall, asked)
     for k in range(60):
         situation = random_planar(seeding.rng(76, k))
         first = recall.plan(situation)
@@ -117,13 +110,13 @@ def test_the_hybrid_keeps_a_bound_and_asks_who_knows_no_deadline_only_in_need(me
         assert asked.given[-1] == {"bound": bound}
         assert not plan.caught or plan.catch_time <= bound
         late += plan.caught
-        stubborn = HybridPlanner(recall, get_planner("straight"))
+        stubborn = recalling.HybridPlanner(recall, get_planner("straight"))
         assert stubborn.plan(situation, deadline=1e9).catch_time == first.catch_time
     assert late > 0
 
 
 def test_what_was_met_before_is_recalled_from_itself(memory, catches):
-    planner, own = RecallPlanner(memory), 0
+    planner, own = recalling.RecallPlanner(memory), 0
     for k, (situation, _) in enumerate(catches[:80]):
         found = planner.recollect(turned(situation, 0.7))
         assert found.plan.caught
@@ -135,15 +128,17 @@ def test_an_unverified_first_choice_may_fail_and_says_so(memory):
     worked = attempts = 0
     for k in range(60):
         situation = random_planar(seeding.rng(76, k))
-        rollout = unverified(memory, situation)
-        verified = RecallPlanner(memory, 1, novelty=0.0).plan(situation)
+        rollout = recalling.unverified(memory, situation)
+        verified = recalling.RecallPlanner(memory, 1, novelty=0.0).plan(situation)
         assert rollout.worked == verified.caught
         worked, attempts = worked + rollout.worked, attempts + (rollout.attempt is not None)
     assert 0 < worked < attempts
 
 
 def test_an_empty_memory_knows_nothing(catches):
-    plan = RecallPlanner(Memory(RawIndex.fit([catches[0][0]]))).plan(catches[0][0])
+    plan = recalling.RecallPlanner(recalling.Memory(recalling.RawIndex.fit([catches[0][0]]))).plan(
+        catches[0][0]
+    )
     assert plan.status == "unreachable" and plan.message == "nothing is known"
 
 

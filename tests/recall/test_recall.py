@@ -1,9 +1,9 @@
 """The learned index: its memory is its own, its recall keeps the promise, its failures teach."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
+
+from tests.recall.conftest import stacked
 
 pytest.importorskip("torch")
 pytest.importorskip("safetensors")
@@ -48,39 +48,27 @@ def test_it_is_registered_and_takes_training():
 
 
 def test_a_memory_is_found_again_with_its_encoder_and_no_other(filed, catches, tmp_path):
-    filed.save(tmp_path / "m")
-    again = Memory.load(tmp_path / "m")
+    filed.save(tmp_path)
+    again = Memory.load(tmp_path)
     assert again.index.key == filed.index.key
     query = filed.index.embed_query(catches[5][0])
     np.testing.assert_array_equal(again.index.embed_query(catches[5][0]), query)
     np.testing.assert_array_equal(again.recall(query, 9), filed.recall(query, 9))
     with pytest.raises(RecallError, match="filed by an index with key"):
-        Memory.load(tmp_path / "m", learned(1))
-    (tmp_path / "m" / again_data(tmp_path / "m") / "encoder.safetensors").write_bytes(b"")
+        Memory.load(tmp_path, learned(1))
+    next(tmp_path.glob("data-*/encoder.safetensors")).write_bytes(b"")
     with pytest.raises(RecallError, match=r"encoder\.safetensors"):
-        Memory.load(tmp_path / "m")
-
-
-def again_data(folder):
-    """Name of the folder of data of a memory."""
-    return next(path.name for path in folder.glob("data-*"))
+        Memory.load(tmp_path)
 
 
 def test_a_query_knows_neither_map_nor_catch(catches, traces, memory):
     """Its embedding is that of a situation alone; only memories are embedded by maps."""
-    index = learned(2, "both")
-    situation = catches[0][0]
-    np.testing.assert_allclose(
-        index.embed_query(situation), index.embed_query(turned(situation, 0.7)), atol=1e-4
-    )
-    one = index.embed_memories([memory.situation(0)], traces[:1])[0]
-    two = index.embed_memories([memory.situation(1)], traces[:1])[0]
-    assert not np.allclose(one, two)  # the same way on another map
-    alone = learned(2)
-    np.testing.assert_array_equal(
-        alone.embed_memories([memory.situation(0)], traces[:1])[0],
-        alone.embed_memories([memory.situation(1)], traces[:1])[0],
-    )
+    index, situation = learned(2, "both"), catches[0][0]
+    there = index.embed_query(turned(situation, 0.7))
+    np.testing.assert_allclose(index.embed_query(situation), there, atol=1e-4)
+    for made, alike in ((index, False), (learned(2), True)):  # the same way on another map
+        one, two = (made.embed_memories([memory.situation(k)], traces[:1])[0] for k in (0, 1))
+        assert np.array_equal(one, two) if alike else not np.allclose(one, two)
 
 
 def test_every_catch_keeps_the_promise(filed):
@@ -94,17 +82,18 @@ def test_every_catch_keeps_the_promise(filed):
     assert caught > 12
 
 
+def undecided(traces, seed, how=DEFAULT):
+    """Questions about random situations, and which of the traces are valid in them."""
+    for k in range(200):
+        problem = Problem(random_planar(seeding.rng(seed, k)), "undecided")
+        if problem.early_answer() is None:
+            yield query_of(problem), transfer(problem, *stacked(traces), how=how) >= 0.0
+
+
 def test_a_failure_sends_what_lies_near_it_to_the_back(traces):
     """Of two equal groups of memories, the second is asked as soon as one of the first fails."""
-    knots = np.stack([trace.knots for trace in traces])
-    goals = np.stack([trace.goal for trace in traces])
     tested = 0
-    for k in range(200):
-        situation = random_planar(seeding.rng(77, k))
-        problem = Problem(situation, "penalty")
-        if problem.early_answer() is not None:
-            continue
-        valid = transfer(situation, knots, goals) >= 0.0
+    for query, valid in undecided(traces, 77):
         if not 0 < valid.sum() < 0.8 * len(valid):
             continue
         bad, good = np.flatnonzero(~valid)[:6], np.flatnonzero(valid)[:1]
@@ -114,9 +103,9 @@ def test_a_failure_sends_what_lies_near_it_to_the_back(traces):
         for penalty in (0.0, 2.0):
             scores = np.array([1.0] * len(bad) + [0.5])
             offer = Offer(chosen, scores, places, np.ones(len(chosen), bool))
-            query, budget = query_of(problem), Budget(DEFAULT.bends, 99, 0.0, penalty)
+            budget = Budget(DEFAULT.bends, 99, 0.0, penalty)
             found, _, tried[penalty], _ = first_valid(
-                query, (knots, goals), offer, DEFAULT.styles, budget, hand_work(query)
+                query, stacked(traces), offer, DEFAULT.styles, budget, hand_work(query)
             )
             assert found == len(bad)
         assert tried[2.0] <= tried[0.0]
@@ -127,16 +116,8 @@ def test_a_failure_sends_what_lies_near_it_to_the_back(traces):
 
 def test_after_a_failure_the_memory_that_touches_least_is_next(traces):
     """Some are looked at before the second is checked, unless their order is to be kept."""
-    knots = np.stack([trace.knots for trace in traces])
-    goals = np.stack([trace.goal for trace in traces])
-    unbent = Adaptation(bends=0)
-    tested = first = 0
-    for k in range(200):
-        situation = random_planar(seeding.rng(79, k))
-        problem = Problem(situation, "looks")
-        if problem.early_answer() is not None:
-            continue
-        valid = transfer(situation, knots, goals, how=unbent) >= 0.0
+    unbent, tested, first = Adaptation(bends=0), 0, 0
+    for query, valid in undecided(traces, 79, unbent):
         if valid.sum() < 1 or (~valid).sum() < 4:
             continue
         chosen = np.concatenate([np.flatnonzero(~valid)[:4], np.flatnonzero(valid)[:1]])
@@ -144,11 +125,10 @@ def test_after_a_failure_the_memory_that_touches_least_is_next(traces):
         for novelty in (0.0, 1e-9):
             places = np.zeros((5, 2), np.float32)
             offer = Offer(chosen, -1e-3 * np.arange(5.0), places, np.ones(5, bool))
-            budget = Budget(0, 2, novelty, 0.0)
-            query = query_of(problem)
             found[novelty] = first_valid(
-                query, (knots, goals), offer, unbent.styles, budget, hand_work(query)
-            )[0]
+                query, stacked(traces), offer, unbent.styles, Budget(0, 2, novelty, 0.0),
+                hand_work(query),
+            )[0]  # fmt: skip
         assert found[0.0] == -1
         tested, first = tested + 1, first + (found[1e-9] == 4)
     assert tested > 20 and first > 0.5 * tested

@@ -1,9 +1,6 @@
 """Memories made of datasets, on the command line too."""
 
-from __future__ import annotations
-
 import json
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -16,21 +13,12 @@ from gcm_learn.cli import main
 from gcm_learn.errors import RecallError
 from gcm_learn.recall import LearnedIndex, Memory, RecallPlanner, growth
 from gcm_learn.recall.growth import remember
-from tests.dataset.conftest import SMALL, make_here
 
 ROOT = Path(__file__).parents[2]
 
 
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    """A dataset of 20 records."""
-    place = str(tmp_path_factory.mktemp("small"))
-    make_here(replace(SMALL, count=20), place)
-    return place
-
-
-def test_all_catches_are_remembered_and_recalled(folder):
-    records = dataset.open(folder)
+def test_all_catches_are_remembered_and_recalled(small_folder):
+    records = dataset.open(small_folder)
     memory = remember(records)
     best = [
         min(
@@ -49,8 +37,8 @@ def test_all_catches_are_remembered_and_recalled(folder):
     assert RecallPlanner(memory).plan(caught[0][0].situation).caught
 
 
-def test_a_part_and_another_planner(folder):
-    records = dataset.open(folder)
+def test_a_part_and_another_planner(small_folder):
+    records = dataset.open(small_folder)
     assert len(remember(records, most=5, seed=2)) <= 5
     one = remember(records, "random", "marching")
     assert len(one) == sum(record.plans["marching"].caught for record in records)
@@ -83,24 +71,24 @@ def test_a_dataset_of_an_arm_file_makes_a_memory_of_this_arm(tmp_path, capsys):
     assert any(one["status"] == "caught" for one in answers)
 
 
-def test_on_the_command_line(folder, tmp_path, capsys):
+def test_on_the_command_line(small_folder, tmp_path, capsys):
     out = tmp_path / "memory"
-    given = ["memory", "make", folder, "--split", "all", "--out"]
-    assert main([*given, str(out), "--index", "raw"]) == 0
+    made = ["memory", "make", small_folder, "--split", "all", "--out"]
+    assert main([*made, str(out), "--index", "raw"]) == 0
     said = capsys.readouterr().out
     memory = Memory.load(out)
-    assert f"{len(memory)} memories of 20 records" in said and memory.index.key in said
+    assert f"{len(memory)} memories of 50 records" in said and memory.index.key in said
     again = tmp_path / "again"
-    assert main([*given, str(again)]) == 0
+    assert main([*made, str(again)]) == 0
     assert np.array_equal(Memory.load(again).embeddings, memory.embeddings)
 
 
-def test_catches_of_a_dataset_and_of_a_memory_are_embedded(folder, tmp_path, capsys):
+def test_catches_of_a_dataset_and_of_a_memory_are_embedded(small_folder, tmp_path, capsys):
     pytest.importorskip("safetensors")
-    raw = remember(dataset.open(folder), "raw")
+    raw = remember(dataset.open(small_folder), "raw")
     raw.save(tmp_path / "memory")
     wanted = raw.refiled(LearnedIndex.load(Path("models/encoder")))
-    for source in (folder, tmp_path / "memory"):
+    for source in (small_folder, tmp_path / "memory"):
         out = tmp_path / "embedded.npz"
         assert main(["memory", "embed", str(source), "--split", "all", "--out", str(out)]) == 0
         assert f"{len(wanted)} embeddings of 32 numbers" in capsys.readouterr().out
@@ -110,10 +98,10 @@ def test_catches_of_a_dataset_and_of_a_memory_are_embedded(folder, tmp_path, cap
             assert file["strata"].tolist() == raw.strata
 
 
-def test_a_cluster_makes_the_same_memory(folder, scheduler, tmp_path, monkeypatch):
+def test_a_cluster_makes_the_same_memory(small_folder, scheduler, tmp_path, monkeypatch):
     monkeypatch.setattr(growth, "CHUNK", 6)
     for index in ("raw", "models/encoder"):
-        given = ["memory", "make", folder, "--split", "all", "--index", index, "--out"]
+        given = ["memory", "make", small_folder, "--split", "all", "--index", index, "--out"]
         files = []
         for name, more in (("here", []), ("there", ["--cluster", scheduler])):
             assert main([*given, str(tmp_path / name), *more]) == 0
@@ -125,19 +113,20 @@ def test_a_cluster_makes_the_same_memory(folder, scheduler, tmp_path, monkeypatc
         assert files[0] == files[1] and len(files[0]) > 6
 
 
-@pytest.mark.parametrize(
-    ("arguments", "complaint"),
-    [
-        (["--index", "best"], "index: 'best' is not one of raw, change, random, pca, learned"),
-        (["--most", "0"], "--most 0: must be at least 1"),
-        (["--seed", "-1"], "--seed -1: must be at least 0"),
-        (["--planner", "gmc"], "planner: 'gmc' has no plans"),
-        (["--split", "tset"], "--split: 'tset' is not one of"),
-        (["--split", "nowhere"], "all"),
-    ],
-)
-def test_bad_arguments_are_refused_in_one_line(folder, tmp_path, capsys, arguments, complaint):
-    assert main(["memory", "make", folder, "--out", str(tmp_path / "memory"), *arguments]) == 2
-    said = capsys.readouterr().err
-    assert complaint in said and said.count("\n") == 1
+BAD = [
+    (["--index", "best"], "index: 'best' is not one of raw, random, pca, learned"),
+    (["--most", "0"], "--most 0: must be at least 1"),
+    (["--seed", "-1"], "--seed -1: must be at least 0"),
+    (["--planner", "gmc"], "planner: 'gmc' has no plans"),
+    (["--split", "tset"], "--split: 'tset' is not one of"),
+    (["--split", "nowhere"], "all"),
+]
+
+
+def test_bad_arguments_are_refused_in_one_line(small_folder, tmp_path, capsys):
+    for arguments, complaint in BAD:
+        command = ["memory", "make", small_folder, "--out", str(tmp_path / "memory")]
+        assert main([*command, *arguments]) == 2
+        said = capsys.readouterr().err
+        assert complaint in said and said.count("\n") == 1
     assert not (tmp_path / "memory").exists()

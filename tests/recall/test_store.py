@@ -1,8 +1,7 @@
 """The store: exact search, round trips, and folders that are whole whatever happens."""
 
-from __future__ import annotations
-
 import importlib.util
+import re
 
 import numpy as np
 import pytest
@@ -12,22 +11,19 @@ from gcm_learn.recall import Memory, RandomIndex, RawIndex, files
 from gcm_learn.recall.index import PcaIndex
 from gcm_learn.recall.search import Searcher, top
 from gcm_learn.situation.canonical import canonical
+from tests.refusals import refusal
 from tests.transforms import mirrored, turned
 
 
 def same(a, b):
     """Whether two memories hold the same."""
+    arrays = ("embeddings", "knots", "goals")
+    rows = [[m[k].situation for k in range(0, len(m), 37)] for m in (a, b)]
+    words = [[(m[k].family, m[k].stratum) for k in range(len(m))] for m in (a, b)]
     return (
-        len(a) == len(b)
-        and a.index.key == b.index.key
-        and all(
-            np.array_equal(getattr(a, n), getattr(b, n)) for n in ("embeddings", "knots", "goals")
-        )
-        and [a[k].situation for k in range(0, len(a), 37)]
-        == [b[k].situation for k in range(0, len(b), 37)]
-        and [(a[k].family, a[k].stratum) for k in range(len(a))]
-        == [(b[k].family, b[k].stratum) for k in range(len(b))]
-    )
+        (len(a), a.index.key, rows[0], words[0]) == (len(b), b.index.key, rows[1], words[1])
+        and all(np.array_equal(getattr(a, name), getattr(b, name)) for name in arrays)
+    )  # fmt: skip
 
 
 def test_the_best_scores_are_those_of_a_full_sort(rng):
@@ -36,16 +32,11 @@ def test_the_best_scores_are_those_of_a_full_sort(rng):
         assert np.array_equal(top(scores, k), np.argsort(-scores, kind="stable")[:k])
 
 
-def test_recall_is_brute_force(memory, catches):
-    for situation, _ in catches[::17]:
-        query = memory.index.embed_query(turned(situation, 1.0))
+def test_recall_is_brute_force_and_raw_neighbours_are_the_nearest(memory, catches):
+    for k, (situation, _) in list(enumerate(catches))[::17]:
+        query = memory.index.embed_query(mirrored(turned(situation, 1.0)))
         order = np.argsort(-(memory.embeddings.astype(float) @ query), kind="stable")
         assert set(memory.recall(query, 20)) == set(order[:20])
-
-
-def test_raw_neighbours_are_the_nearest_and_begin_with_oneself(memory, catches):
-    for k, (situation, _) in list(enumerate(catches))[::29]:
-        query = memory.index.embed_query(mirrored(situation))
         assert memory.recall(query, 1)[0] == k
         away = np.linalg.norm(memory.embeddings[:, :-1] - query[:-1], axis=1)
         assert np.array_equal(memory.recall(query, 5), np.argsort(away, kind="stable")[:5])
@@ -99,12 +90,19 @@ def test_forgetting(memory):
     assert len(memory) == 0
 
 
-def test_another_index_is_refused(memory, catches, tmp_path):
+def test_what_is_not_a_memory_is_said_in_one_line(memory, catches, tmp_path):
+    missing = "no memory there (manifest.json is missing)"
+    assert missing in refusal(RecallError, Memory.load, tmp_path)
     memory.save(tmp_path)
-    other = RawIndex.fit([s for s, _ in catches[:20]])
-    with pytest.raises(RecallError, match=f"filed by an index with key {memory.index.key}"):
-        Memory.load(tmp_path, other)
+    said = refusal(RecallError, Memory.load, tmp_path, RawIndex.fit([s for s, _ in catches[:20]]))
+    assert f"filed by an index with key {memory.index.key}" in said
     assert len(Memory.load(tmp_path, memory.index)) == len(memory)
+    traces = next(tmp_path.glob("data-*/traces.npy"))
+    traces.write_bytes(traces.read_bytes()[:-5])
+    said = refusal(RecallError, Memory.load, tmp_path)
+    assert re.search(r"traces.npy has \d+ bytes, expected \d+", said)
+    (tmp_path / "manifest.json").write_text("[]")
+    assert "not a memory's manifest" in refusal(RecallError, Memory.load, tmp_path)
 
 
 @pytest.mark.parametrize("at", ["np.save", "to_disk", "write_whole"])
@@ -126,19 +124,6 @@ def test_an_interrupted_save_leaves_the_old_memory(memory, at, tmp_path, monkeyp
     changed.save(tmp_path)
     assert same(Memory.load(tmp_path), changed)
     assert len(list(tmp_path.glob("data-*"))) == 1
-
-
-def test_what_is_not_a_memory_is_said_in_one_line(memory, tmp_path):
-    with pytest.raises(RecallError, match=r"no memory there \(manifest.json is missing\)"):
-        Memory.load(tmp_path)
-    memory.save(tmp_path)
-    traces = next(tmp_path.glob("data-*/traces.npy"))
-    traces.write_bytes(traces.read_bytes()[:-5])
-    with pytest.raises(RecallError, match=r"traces.npy has \d+ bytes, expected \d+"):
-        Memory.load(tmp_path)
-    (tmp_path / "manifest.json").write_text("[]")
-    with pytest.raises(RecallError, match="not a memory's manifest"):
-        Memory.load(tmp_path)
 
 
 @pytest.mark.parametrize("kind", [RawIndex, RandomIndex, PcaIndex])

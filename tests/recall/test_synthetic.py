@@ -1,7 +1,5 @@
 """Synthetic movements: they meet targets, are as long as catches, and know no obstacle."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from types import SimpleNamespace
 

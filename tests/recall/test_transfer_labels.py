@@ -1,7 +1,5 @@
 """Labels tell the truth, keep held-out situations out, and make a model on the command line."""
 
-from __future__ import annotations
-
 import json
 import re
 from dataclasses import replace
@@ -17,27 +15,9 @@ pytest.importorskip("pyarrow")
 from gcm_learn import dataset, recall
 from gcm_learn.cli import main
 from gcm_learn.processes import crew_of
-from gcm_learn.recall import (
-    Effort,
-    EncoderConfig,
-    Memory,
-    Trainer,
-    load_encoder,
-    transfer,
-    transfer_labels,
-)
 from gcm_learn.recall.hand_features import clearance_features
 from gcm_learn.recall.index import LearnedIndex
 from gcm_learn.recall.transfer_labels import Sizes, TransferLabels
-from tests.dataset.conftest import SMALL, make_here
-
-
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    """A dataset of 30 records, of which those of a family are held out."""
-    place = str(tmp_path_factory.mktemp("labels"))
-    make_here(replace(SMALL, count=30), place)
-    return place
 
 
 @pytest.fixture
@@ -48,26 +28,26 @@ def small(monkeypatch):
     return labels
 
 
-def test_labels_are_what_comes_of_trying(folder, small):
-    source = small(dataset.open(folder), 3)
+def test_labels_are_what_comes_of_trying(small_folder, small):
+    source = small(dataset.open(small_folder), 3)
     batch = source.labels(0, None)
     own = source._order[:40]
-    again = small(dataset.open(folder), 3).labels(0, None)
+    again = small(dataset.open(small_folder), 3).labels(0, None)
     np.testing.assert_array_equal(batch.valid, again.valid)  # a function of seed and number
     for i, k in enumerate(own[:5].tolist()):
         situation = source.situations[k]
         np.testing.assert_array_equal(
             batch.features.context[i], clearance_features(situation).context
         )
-        times = transfer(situation, source.knots, source.goals, batch.rows)
+        times = recall.transfer(situation, source.knots, source.goals, batch.rows)
         np.testing.assert_array_equal(batch.valid[i], times >= 0.0)
         if batch.own[i] >= 0:
             assert batch.rows[batch.own[i]] == k
     assert len(batch.valid) > len(own)  # drawn ones, and some with one obstacle alone
 
 
-def test_labels_about_the_best_ask_about_these_and_never_about_ones_own(folder, small):
-    source = small(dataset.open(folder), 3)
+def test_labels_about_the_best_ask_about_these_and_never_about_ones_own(small_folder, small):
+    source = small(dataset.open(small_folder), 3)
     everything = np.arange(len(source.knots))
     batch = source.labels(
         0, lambda features, k: np.tile(everything[:k], (len(features.context), 1))
@@ -79,8 +59,8 @@ def test_labels_about_the_best_ask_about_these_and_never_about_ones_own(folder, 
     assert (batch.own == -1).all()
 
 
-def test_no_label_is_about_what_is_held_out(folder, small, monkeypatch):
-    labels = small(dataset.open(folder), 4)
+def test_no_label_is_about_what_is_held_out(small_folder, small, monkeypatch):
+    labels = small(dataset.open(small_folder), 4)
     seen = []
     monkeypatch.setattr(
         TransferLabels, "_is_held_out", lambda self, family, problem: seen.append(family) or True
@@ -108,11 +88,12 @@ class _Stops:
 
 
 @pytest.mark.slow
-def test_a_cluster_makes_the_same_encoder(folder, small, scheduler, tmp_path, monkeypatch):
+def test_a_cluster_makes_the_same_encoder(small_folder, small, scheduler, tmp_path, monkeypatch):
     """By its labels of all kinds: the first about any memories, later ones about the best."""
-    monkeypatch.setattr(transfer_labels, "READ", 7)
-    monkeypatch.setattr(transfer_labels, "TRIED", 9)
-    given = ["train", "encoder", folder, "--turns", "8", "--dim", "4", "--memory", "both", "--out"]
+    monkeypatch.setattr(recall.transfer_labels, "READ", 7)
+    monkeypatch.setattr(recall.transfer_labels, "TRIED", 9)
+    options = ["--turns", "8", "--dim", "4", "--memory", "both"]
+    given = ["train", "encoder", small_folder, *options, "--out"]
     for name, more in (("here", []), ("there", ["--cluster", scheduler])):
         assert main([*given, str(tmp_path / name), *more]) == 0
     for file in ("encoder.safetensors", "log.jsonl"):
@@ -123,12 +104,12 @@ def test_a_cluster_makes_the_same_encoder(folder, small, scheduler, tmp_path, mo
     assert len(kinds) == 8
 
 
-def test_a_training_that_a_cluster_left_goes_on_here(folder, small, scheduler, tmp_path):
+def test_a_training_that_a_cluster_left_goes_on_here(small_folder, small, scheduler, tmp_path):
     """Labels are kept with the checkpoint, whoever made them."""
-    config, effort = EncoderConfig(dim=4), Effort(turns=4)
-    records = dataset.open(folder)
+    config, effort = recall.EncoderConfig(dim=4), recall.Effort(turns=4)
+    records = dataset.open(small_folder)
     with crew_of(cluster=scheduler) as crew:
-        first = Trainer(config, small(records, crew=crew), tmp_path / "two", effort)
+        first = recall.Trainer(config, small(records, crew=crew), tmp_path / "two", effort)
 
         def stop(share):
             if first.turn == 2:
@@ -137,15 +118,16 @@ def test_a_training_that_a_cluster_left_goes_on_here(folder, small, scheduler, t
 
         with pytest.raises(KeyboardInterrupt):
             first.run(stop)
-    second = Trainer(config, small(records), tmp_path / "two", effort)
-    whole = Trainer(config, small(records), tmp_path / "one", effort)
+    second = recall.Trainer(config, small(records), tmp_path / "two", effort)
+    whole = recall.Trainer(config, small(records), tmp_path / "one", effort)
     assert second.turn == 2 and second.run().key == whole.run().key
 
 
-def test_a_model_on_the_command_line(folder, small, tmp_path, capsys):
+def test_a_model_on_the_command_line(small_folder, small, tmp_path, capsys):
     out = tmp_path / "model"
-    assert main(["train", "encoder", folder, "--out", str(out), "--turns", "2", "--dim", "4"]) == 0
-    encoder = load_encoder(out)
+    train = ["train", "encoder", small_folder, "--out", str(out)]
+    assert main([*train, "--turns", "2", "--dim", "4"]) == 0
+    encoder = recall.load_encoder(out)
     assert f"key {encoder.key}" in capsys.readouterr().out
     about = json.loads((out / "metrics.json").read_text())
     assert about["key"] == encoder.key and about["lessons"] == 2
@@ -153,7 +135,7 @@ def test_a_model_on_the_command_line(folder, small, tmp_path, capsys):
     assert "train encoder" in card and about["dataset"]["hash"] in card
     assert not (out / "work.tmp").exists()
     memory = tmp_path / "memory"
-    assert main(["memory", "make", folder, "--out", str(memory), "--index", str(out)]) == 0
-    assert Memory.load(memory).index.key == LearnedIndex(encoder).key
-    assert main(["train", "encoder", folder, "--out", str(out), "--turns", "0"]) == 2
+    assert main(["memory", "make", small_folder, "--out", str(memory), "--index", str(out)]) == 0
+    assert recall.Memory.load(memory).index.key == LearnedIndex(encoder).key
+    assert main([*train, "--turns", "0"]) == 2
     assert "--turns 0" in capsys.readouterr().err
