@@ -1,7 +1,5 @@
 """Situations of chains, drawn from numbers alone: item k of a set is always the same."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

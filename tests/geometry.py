@@ -1,7 +1,5 @@
 """The referee's geometry, for tests that hold kernels against it: arms and bodies as JSON."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from gcm_learn.referee import bodies_of, nearest_obstacle, overlap

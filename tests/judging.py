@@ -1,7 +1,5 @@
 """The referee's verdict on records of the package, by way of the exchange formats."""
 
-from __future__ import annotations
-
 from gcm_learn.planners import plan_to_json
 from gcm_learn.referee import examine
 from gcm_learn.situation import situation_to_json

@@ -1,7 +1,5 @@
 """A situation with a Panda arm."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 PANDA = Path(__file__).with_name("panda.jsonl")

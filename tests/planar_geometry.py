@@ -1,7 +1,5 @@
 """The referee's geometry in the plane of an arm, for records of the package."""
 
-from __future__ import annotations
-
 from dataclasses import asdict
 from functools import lru_cache
 

@@ -1,7 +1,5 @@
 """Refusals: the one line that an error says."""
 
-from __future__ import annotations
-
 import pytest
 
 

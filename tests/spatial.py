@@ -1,7 +1,5 @@
 """Situations of arms in space, and an arm of two bones."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Builders of what tests ask about: bodies and situations as records, and bodies as JSON."""
 
-from __future__ import annotations
-
 import copy
 from dataclasses import replace
 

@@ -6,8 +6,6 @@ now and then its search stops early, and it is up to some 1e-3 too far. Where on
 inside a solid it tells how deep, to 1e-6.
 """
 
-from __future__ import annotations
-
 import fcl
 import numpy as np
 import pytest

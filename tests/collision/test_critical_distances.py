@@ -4,8 +4,6 @@ What `least_on`, `move_is_free` and `leg_is_free` find is compared with densely 
 one bound of motion decides: a body that passes within a span, a limb that does, or both.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Kernels of moving bodies: distances against brute force, bounds against sampled motion."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Cells against bodies over a span of time: nothing that passed in between is forgotten."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """A spatial limb among moving bodies, against looking at very many instants."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """The continuous clearance against brute force, closed forms and bodies in a hurry."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

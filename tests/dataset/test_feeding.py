@@ -1,7 +1,5 @@
 """What training and other libraries read: the same maps and labels as the records."""
 
-from __future__ import annotations
-
 import pickle
 import shutil
 

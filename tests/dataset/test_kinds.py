@@ -1,7 +1,5 @@
 """Records of every kind of arm: record@1, record@2 and record@3."""
 
-from __future__ import annotations
-
 import pickle
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """How records of spatial arms are made: budgets, strata, limits of acceleration, splits, twins."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

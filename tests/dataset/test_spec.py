@@ -1,7 +1,5 @@
 """Specifications: read strictly, and what they say of item k before it is made."""
 
-from __future__ import annotations
-
 import json
 import pickle
 from collections import Counter

@@ -1,7 +1,5 @@
 """The check finds what is wrong with a dataset, and nothing where nothing is."""
 
-from __future__ import annotations
-
 import json
 import shutil
 from dataclasses import replace

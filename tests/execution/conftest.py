@@ -1,7 +1,5 @@
 """Situations that the tests of execution and of the environments share."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Refusals of arenas, bodies and loops: one line that names the field and the reason."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from types import SimpleNamespace

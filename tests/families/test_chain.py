@@ -1,7 +1,5 @@
 """Families for chains: free at both ends of a way, and what only they promise."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import fields, replace
 

@@ -1,7 +1,5 @@
 """Families do what they say: geometry of each law, and what planners make of it."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

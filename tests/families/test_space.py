@@ -1,7 +1,5 @@
 """Families in space: arms as they say, and what only they promise."""
 
-from __future__ import annotations
-
 import json
 import math
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Cognitive maps: what building one promises, and saving without loss."""
 
-from __future__ import annotations
-
 import itertools
 import json
 from dataclasses import replace

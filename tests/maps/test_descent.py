@@ -1,7 +1,5 @@
 """Down the map: smooth, short, monotone, and never through what is masked."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

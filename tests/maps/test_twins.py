@@ -1,7 +1,5 @@
 """Static twins of dynamic situations."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Files of our own in the formats of others."""
 
-from __future__ import annotations
-
 import json
 import shutil
 from pathlib import Path

@@ -1,7 +1,5 @@
 """``gcm-learn convert``."""
 
-from __future__ import annotations
-
 import shutil
 import tarfile
 

@@ -1,7 +1,5 @@
 """Scenes given frame by frame."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Balls of table tennis: flight, bounce, pieces, and the situations that they become."""
 
-from __future__ import annotations
-
 import gzip
 import json
 import math

@@ -1,7 +1,5 @@
 """A server of the page on a free port."""
 
-from __future__ import annotations
-
 import threading
 
 import pytest

@@ -1,7 +1,5 @@
 """Answers of the engine to the page, without a server."""
 
-from __future__ import annotations
-
 import base64
 import json
 import threading

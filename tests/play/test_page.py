@@ -1,7 +1,5 @@
 """The page in a real browser: dragged, played, by keyboard, saved and loaded."""
 
-from __future__ import annotations
-
 import json
 
 import pytest

@@ -1,7 +1,5 @@
 """The page's server answers the page on this machine, and nobody else."""
 
-from __future__ import annotations
-
 import http.client
 import json
 import os

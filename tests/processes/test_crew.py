@@ -1,7 +1,5 @@
 """Work comes out the same whoever does it; who cannot do it says so in one line."""
 
-from __future__ import annotations
-
 import os
 import socket
 import sys

@@ -1,7 +1,5 @@
 """True answers for every kind of arm, made by hand: no planner takes part."""
 
-from __future__ import annotations
-
 import copy
 import math
 
@@ -11,8 +9,6 @@ from gcm_learn.referee import examine
 from tests.chains import SLIDE
 from tests.geometry import arm_of, hand_of, links_of
 from tests.worlds import ball, body, still
-
-# --- planar arms -----------------------------------------------------------------------------
 
 PLANAR_ARM = {
     "upper_arm": 1.2, "elbow": "left", "hand": [1.5, 0.8], "max_hand_speed": 3.0,
@@ -77,19 +73,12 @@ def solid_bodies():
     ]
 
 
-# --- spatial arms ----------------------------------------------------------------------------
-
 SPATIAL_ARM = {
-    "kind": "spatial",
-    "base": {"origin": [0.3, -0.2, 0.9], "rotation": [0.5, -0.5, 0.5, 0.5]},
-    "upper_arm": [1.0, 0.1, 0.0],
-    "forearm": [0.9, 0.0, -0.1],
-    "joints": [0.2, 0.3, -0.4, -1.5],
+    "kind": "spatial", "base": {"origin": [0.3, -0.2, 0.9], "rotation": [0.5, -0.5, 0.5, 0.5]},
+    "upper_arm": [1.0, 0.1, 0.0], "forearm": [0.9, 0.0, -0.1], "joints": [0.2, 0.3, -0.4, -1.5],
     "joint_range": [[-2.0, 2.0], [-1.0, 1.5], [-2.0, 2.0], [-2.6, 0.0]],
-    "max_joint_speed": [5.0, 5.0, 7.0, 7.0],
-    "thickness": 0.05,
-    "grasp": 0.02,
-}
+    "max_joint_speed": [5.0, 5.0, 7.0, 7.0], "thickness": 0.05, "grasp": 0.02,
+}  # fmt: skip
 TIME = [0.0, 0.3, 0.7]
 JOINTS = [SPATIAL_ARM["joints"], [0.9, 0.1, 0.4, -0.9], [1.2, 0.8, 0.1, -0.3]]
 RATES = [[1.0, -1.0, 2.0, 0.0], [2.0, 0.5, 0.5, 2.0], [0.5, -0.5, -1.0, 1.0]]
@@ -113,20 +102,12 @@ def spatial(smooth=False, version=2, obstacle=None, **changes):
     return situation, answer(version, situation, path, [("goal", 0.7)])
 
 
-# --- chains ----------------------------------------------------------------------------------
-
 CHAIN_ARM = {
-    "kind": "chain",
-    "model": SLIDE,
-    "base": {
-        "origin": [1, 2, 0],
-        "rotation": [math.cos(math.pi / 8), 0, 0, math.sin(math.pi / 8)],
-    },
-    "posture": [0.4, 0.25, -0.7],
-    "grasp": 0.02,
-    "max_acceleration": [60.0, 60.0, 60.0],
+    "kind": "chain", "model": SLIDE,
+    "base": {"origin": [1, 2, 0], "rotation": [math.cos(math.pi / 8), 0, 0, math.sin(math.pi / 8)]},
+    "posture": [0.4, 0.25, -0.7], "grasp": 0.02, "max_acceleration": [60.0, 60.0, 60.0],
     "rates": [1.0, -0.2, 0.5],
-}
+}  # fmt: skip
 CHAIN_PATH = {
     "time": [0.0, 0.3, 0.7],
     "joints": [CHAIN_ARM["posture"], [0.9, 0.4, 0.1], [1.1, 0.2, 0.5]],
@@ -173,12 +154,8 @@ def blocked(situation, obstacle, start):
 
 
 MADE = {
-    "planar": lambda: planar(),
-    "solid": lambda: planar(solid=True),
-    "spatial": lambda: spatial(),
-    "spatial, smooth": lambda: spatial(smooth=True),
-    "spatial @3": lambda: spatial(version=3),
-    "chain": lambda: chain(smooth=False),
-    "chain, smooth": lambda: chain(),
-}
+    "planar": lambda: planar(), "solid": lambda: planar(solid=True), "spatial": lambda: spatial(),
+    "spatial, smooth": lambda: spatial(smooth=True), "spatial @3": lambda: spatial(version=3),
+    "chain": lambda: chain(smooth=False), "chain, smooth": lambda: chain(),
+}  # fmt: skip
 """True answers by name: situation and solution."""

@@ -1,7 +1,5 @@
 """Promises at every instant: limits to what the contract grants, and contacts between samples."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -12,16 +10,7 @@ from gcm_learn.referee import examine, judge
 from gcm_learn.referee.planar_arm import HandMotion, read_planar
 from gcm_learn.referee.planar_rates import joint_rates
 from gcm_learn.situation import situation_from_json
-from tests.geometry import (
-    arm_of,
-    curve_in,
-    hand_of,
-    least_at,
-    links_of,
-    lowest_gap,
-    motion_of,
-    poses,
-)
+from tests import geometry
 from tests.planar_geometry import elbow_of, point_distances
 from tests.referee.answers import SPATIAL_ARM, TIME, chain, planar, spatial
 from tests.worlds import SHAPES, ZERO, ball, body, law, still
@@ -35,10 +24,7 @@ def words(situation, solution):
 
 def chains_of(situation, solution):
     """The arm, and the curves of its joints."""
-    return arm_of(situation["arm"]), curve_in(solution["trajectory"])
-
-
-# --- limits ----------------------------------------------------------------------------------
+    return geometry.arm_of(situation["arm"]), geometry.curve_in(solution["trajectory"])
 
 
 def granted(make, field, value):
@@ -136,7 +122,9 @@ def test_the_hands_speed_is_kept_to_the_granted_hair(make, smooth):
     fastest, h = 0.0, 1e-5
     for k, span in enumerate(curve.spans):
         s = np.linspace(0.0, span, 4001)
-        ahead, behind = (hand_of(arm, curve.within(np.full(4001, k), s + d))[0] for d in (h, -h))
+        ahead, behind = (
+            geometry.hand_of(arm, curve.within(np.full(4001, k), s + d))[0] for d in (h, -h)
+        )
         fastest = max(fastest, float(np.linalg.norm(ahead - behind, axis=1).max() / (2.0 * h)))
     fine, broken = granted(lambda: make(smooth), ("max_hand_speed",), fastest)
     assert fine == "" and "the hand is too fast" in broken
@@ -153,9 +141,6 @@ def test_the_grasp_is_exact(make):
         assert ("misses" in words(situation, solution)) == (off > 0.0)
 
 
-# --- contacts --------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("smooth", [False, True])
 @pytest.mark.parametrize("off", [-1e-6, 1e-6])
 def test_thickness_is_kept_between_samples(smooth, off):
@@ -163,13 +148,13 @@ def test_thickness_is_kept_between_samples(smooth, off):
     situation, solution = spatial(smooth, thickness=0.0)
     arm, curve = chains_of(situation, solution)
     shoulder = np.array(SPATIAL_ARM["base"]["origin"])
-    middle = links_of(arm, curve.joints(np.array([0.21])))[0][0, 1, 0]
+    middle = geometry.links_of(arm, curve.joints(np.array([0.21])))[0][0, 1, 0]
     centre = middle + 0.3 * (middle - shoulder) / np.linalg.norm(middle - shoulder)
     situation["bodies"][1] = body("obstacle", "post", ball(0.1), still(centre))
 
     def gap(t):
         t = np.clip(np.atleast_1d(t)[:1], 0.0, 0.7)
-        return least_at(situation, arm, t, curve.joints(t))[0]
+        return geometry.least_at(situation, arm, t, curve.joints(t))[0]
 
     found = minimize(gap, [0.21], method="Nelder-Mead", options={"xatol": 1e-9, "fatol": 1e-12})
     room = min(float(found.fun), *(gap(at) for at in np.linspace(0.0, 0.7, 50)))
@@ -182,7 +167,7 @@ def test_a_bullet_between_samples_is_seen():
     situation, solution = spatial(thickness=0.0)
     arm, curve = chains_of(situation, solution)
     moment = 0.5123
-    elbow, hand = links_of(arm, curve.joints(np.array([moment])))[0][1, :, 0]
+    elbow, hand = geometry.links_of(arm, curve.joints(np.array([moment])))[0][1, :, 0]
     spot = 0.4 * elbow + 0.6 * hand
     across = np.cross(hand - elbow, [0.3, 0.5, 0.7])
     velocity = 900.0 * across / np.linalg.norm(across)
@@ -225,7 +210,7 @@ def at_a_moment(place, t):
     pieces.append({"start": t} | still(place, velocity=(-way).tolist()))
     swing = {"kind": "pendulum", "axis": [0, 1, 0], "down": [0, 0, -1], "length": 0.5, "rate": 8.0}
     swing |= {"gravity": 9.8, "angle": -1.0, "pivot": ZERO}
-    centre, _ = poses({"motion": swing}, [t])
+    centre, _ = geometry.poses({"motion": swing}, [t])
     return {
         "quadratic": still(start, velocity=way.tolist()),
         "piecewise": {
@@ -248,7 +233,7 @@ def test_an_obstacle_between_samples_is_found(shape, kind):
     situation, solution = chain()
     arm, curve = chains_of(situation, solution)
     t, small = 0.4321, {"half_extents": [0.02] * 3, "radius": 0.015, "half_length": 0.01}
-    spot = links_of(arm, curve.joints(np.array([t])))[0][2, :, 0].mean(axis=0)
+    spot = geometry.links_of(arm, curve.joints(np.array([t])))[0][2, :, 0].mean(axis=0)
     fly = {"kind": shape["kind"]} | {k: small[k] for k in shape if k != "kind"}
     situation["bodies"].append(body("obstacle", "fly", fly, at_a_moment(spot, t)[kind]))
     assert "fly touch" in words(situation, solution)
@@ -263,9 +248,9 @@ def test_the_clearance_is_that_of_dense_samples(shape, kind, rng):
         situation, solution = spatial(bool(k % 2), thickness=0.0)
         situation["bodies"][1] = body("obstacle", "post", shape, law(rng, kind))
         arm, curve = chains_of(situation, solution)
-        found = lowest_gap(situation, solution["trajectory"], 1e-6)
+        found = geometry.lowest_gap(situation, solution["trajectory"], 1e-6)
         t = np.linspace(0.0, 0.7, 4001)
-        least = least_at(situation, arm, t, curve.joints(t))[0]
+        least = geometry.least_at(situation, arm, t, curve.joints(t))[0]
         assert found <= least + 1e-6 and least <= found + 2e-3
 
 
@@ -304,7 +289,7 @@ def dense_clearance(situation, path):
 def test_bounds_of_motion_hold(rng):
     """No point of a link gets farther from the middle of an interval than its bound."""
     for situation, solution in (chain(), spatial(True)):
-        motion = motion_of(arm_of(situation["arm"]), solution["trajectory"])
+        motion = geometry.motion_of(geometry.arm_of(situation["arm"]), solution["trajectory"])
         for _ in range(20):
             low, high = np.sort(rng.uniform(0.0, 0.7, 2))
             middle = 0.5 * (low + high)

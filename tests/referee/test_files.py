@@ -1,7 +1,5 @@
 """The referee as a program of its own: files in, complaints out, nothing of the package."""
 
-from __future__ import annotations
-
 import ast
 import copy
 import json
@@ -128,10 +126,7 @@ def test_models_are_found_beside_the_file_and_by_name(written, capsys, tmp_path)
         ("{", "situations.jsonl:1: is not JSON"),
         ("[1]", "situations.jsonl:1: is not an object"),
         ('{"format": "gcm-learn/situation@7"}', '"gcm-learn/situation@7" is not a format'),
-        (
-            '{"format": "gcm-learn/situation@1", "name": "a"}',
-            "horizon: is missing",
-        ),
+        ('{"format": "gcm-learn/situation@1", "name": "a"}', "horizon: is missing"),
         (
             '{"format": "gcm-learn/situation@1", "name": "a", "horizon": 1%s}' % ("0" * 5000),
             "arm: is missing",

@@ -1,7 +1,5 @@
 """The referee's geometry by other means: the contract's numbers, scipy, dense samples."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -12,28 +10,8 @@ from scipy.optimize import minimize
 from gcm_learn.referee import arm_of as arm_in
 from gcm_learn.referee import bodies_of, judge
 from gcm_learn.referee.shapes import inside
-from tests.geometry import (
-    arm_of,
-    curve_in,
-    hand_of,
-    links_of,
-    point_gaps,
-    poses,
-    segment_gaps,
-    segments_apart,
-    signed_distance,
-)
-from tests.referee.answers import (
-    CHAIN_ARM,
-    CHAIN_PATH,
-    JOINTS,
-    LEVEL,
-    MADE,
-    SPATIAL_ARM,
-    chain,
-    planar,
-    spatial,
-)
+from tests import geometry
+from tests.referee import answers
 from tests.worlds import SHAPES, SWING, ball, body, still
 
 NAO = {
@@ -51,9 +29,9 @@ FLAT = [
 
 def at(given, joints):
     """Elbow, hand and axis of one posture."""
-    arm, q = arm_of(given), np.array([joints], dtype=float)
-    (hand,), (axis,) = hand_of(arm, q)
-    return links_of(arm, q)[0][0, 1, 0], hand, axis
+    arm, q = geometry.arm_of(given), np.array([joints], dtype=float)
+    (hand,), (axis,) = geometry.hand_of(arm, q)
+    return geometry.links_of(arm, q)[0][0, 1, 0], hand, axis
 
 
 @pytest.mark.parametrize(
@@ -70,7 +48,7 @@ def test_the_contracts_spatial_arm_is_where_the_contract_says(joints, elbow, han
 
 
 def test_the_contracts_chains_are_where_the_contract_says():
-    _, hand, axis = at(CHAIN_ARM, [0.4, 0.25, -0.7])
+    _, hand, axis = at(answers.CHAIN_ARM, [0.4, 0.25, -0.7])
     assert hand == pytest.approx((1.134107, 2.330568, 0.070547), abs=6e-7)
     assert axis == pytest.approx((-0.242180, -0.596964, -0.764842), abs=6e-7)
     _, hand, _ = at(PLANAR_2, [0.3, -0.5])
@@ -78,12 +56,12 @@ def test_the_contracts_chains_are_where_the_contract_says():
 
 
 def test_the_hands_velocity_is_its_derivative():
-    arm, h = arm_of(CHAIN_ARM), 1e-6
+    arm, h = geometry.arm_of(answers.CHAIN_ARM), 1e-6
     curve, t = (
-        curve_in(CHAIN_PATH),
+        geometry.curve_in(answers.CHAIN_PATH),
         np.concatenate([np.linspace(0.01, 0.29), np.linspace(0.31, 0.69)]),
     )
-    ahead, behind = (hand_of(arm, curve.joints(t + side))[0] for side in (h, -h))
+    ahead, behind = (geometry.hand_of(arm, curve.joints(t + side))[0] for side in (h, -h))
     piece, since = curve.pieces(t)
     found = arm.geometry.velocity(curve.joints(t), curve.rates(piece, since), *arm.points["hand"])
     assert found == pytest.approx((ahead - behind) / (2.0 * h), abs=1e-5)
@@ -91,7 +69,10 @@ def test_the_hands_velocity_is_its_derivative():
 
 def test_cubic_curves_are_those_of_hermite():
     """Textbook formulas, between samples."""
-    curve, path = curve_in(CHAIN_PATH), {k: np.array(v) for k, v in CHAIN_PATH.items()}
+    curve, path = (
+        geometry.curve_in(answers.CHAIN_PATH),
+        {k: np.array(v) for k, v in answers.CHAIN_PATH.items()},
+    )
     for k, h in enumerate(np.diff(path["time"])):
         s = np.linspace(0.0, 1.0, 30)[:, None]
         first, last = path["joints"][k : k + 2]
@@ -106,9 +87,9 @@ def test_cubic_curves_are_those_of_hermite():
 def test_segments_are_as_near_as_their_nearest_points(shape):
     rng = np.random.default_rng(1)
     a, b = rng.uniform(-1.0, 1.0, (2, 300, 3))
-    found, s = segment_gaps(shape, a, b), np.linspace(0.0, 1.0, 4001)[:, None]
+    found, s = geometry.segment_gaps(shape, a, b), np.linspace(0.0, 1.0, 4001)[:, None]
     for k in range(300):
-        dense = point_gaps(shape, a[k] + s * (b[k] - a[k])).min()
+        dense = geometry.point_gaps(shape, a[k] + s * (b[k] - a[k])).min()
         if dense > 0.0 or shape["kind"] != "polygon":
             assert dense - 1e-3 <= found[k] <= dense + 1e-8
         else:  # the depth of a polygon is that in the middle of a crossing
@@ -118,7 +99,7 @@ def test_segments_are_as_near_as_their_nearest_points(shape):
 def test_segments_apart_by_minimising():
     rng = np.random.default_rng(2)
     a, b, c, d = rng.uniform(-1.0, 1.0, (4, 30, 3))
-    found = segments_apart(a, b, c, d)
+    found = geometry.segments_apart(a, b, c, d)
     for k in range(30):
 
         def apart(x, k=k):
@@ -137,7 +118,7 @@ def test_polygons_know_inside_from_outside():
 
 def test_a_pendulum_swings_as_scipy_says():
     t = np.linspace(0.0, 2.9, 30)
-    centre, turn = poses({"motion": SWING}, t)
+    centre, turn = geometry.poses({"motion": SWING}, t)
 
     def rate(_, x):
         return [x[1], -9.81 / 1.1 * math.sin(x[0]) - 0.3 * x[1]]
@@ -155,14 +136,14 @@ def test_bodies_turn_about_the_worlds_axes():
     motion = still([1.0, 0.0, 0.0], orientation=[half, 0.0, 0.0, half])
     motion |= {"spin": [0.5 * math.pi, 0.0, 0.0], "velocity": [1.0, 0.0, 0.0]}
     box = body("obstacle", "box", {"kind": "box", "half_extents": [0.5, 0.1, 0.2]}, motion)
-    assert signed_distance(box, 0.0, [1.0, 0.6, 0.0]) == pytest.approx(0.1)
-    assert signed_distance(box, 1.0, [2.0, 0.0, 0.6]) == pytest.approx(0.1)
-    assert signed_distance(box, 1.0, [2.0, 0.05, 0.0]) == pytest.approx(-0.1)
+    assert geometry.signed_distance(box, 0.0, [1.0, 0.6, 0.0]) == pytest.approx(0.1)
+    assert geometry.signed_distance(box, 1.0, [2.0, 0.0, 0.6]) == pytest.approx(0.1)
+    assert geometry.signed_distance(box, 1.0, [2.0, 0.05, 0.0]) == pytest.approx(-0.1)
 
 
 def test_bodies_that_hardly_turn_stay_as_they_are():
     motion = still([1.0, 0.0, 0.0], spin=[0.0, 1e-220, 0.0])
-    (centre,), (turn,) = poses({"motion": motion}, [0.5])
+    (centre,), (turn,) = geometry.poses({"motion": motion}, [0.5])
     assert centre.tolist() == [1.0, 0.0, 0.0] and turn == pytest.approx(np.eye(3))
 
 
@@ -170,7 +151,7 @@ def test_sampled_motions_turn_the_short_way_and_rest_at_last():
     half = math.sqrt(0.5)
     motion = {"kind": "sampled", "times": [0, 1], "positions": [[0, 0, 0], [2, 0, 0]]}
     motion["orientations"] = [[1, 0, 0, 0], [-half, 0, 0, -half]]  # a quarter about z
-    centre, turn = poses({"motion": motion}, [0.5, 1.0, 2.0])
+    centre, turn = geometry.poses({"motion": motion}, [0.5, 1.0, 2.0])
     assert centre[:, 0].tolist() == [1.0, 2.0, 2.0]
     assert turn[0] @ [1, 0, 0] == pytest.approx([half, half, 0])
     for last in turn[1:]:
@@ -180,7 +161,7 @@ def test_sampled_motions_turn_the_short_way_and_rest_at_last():
 def test_a_new_piece_holds_from_its_start():
     pieces = [{"start": 0} | still([0, 0, 0], velocity=[1.0, 0, 0])]
     pieces.append({"start": 1} | still([1, 0, 0], velocity=[0, 2.0, 0]))
-    centre, _ = poses({"motion": {"kind": "piecewise", "pieces": pieces}}, [0.5, 1.0, 2.0])
+    centre, _ = geometry.poses({"motion": {"kind": "piecewise", "pieces": pieces}}, [0.5, 1.0, 2.0])
     assert centre == pytest.approx(np.array([[0.5, 0, 0], [1, 0, 0], [1, 2, 0]]))
 
 
@@ -206,24 +187,21 @@ def test_bounds_of_bodies_hold(kind, rng):
         assert far <= read.ways(np.array([low]), middle, np.array([high]))[0] + 1e-9
 
 
-# --- catches ---------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize(("gap", "caught"), [(0.0399, True), (0.0401, False)])
 def test_the_grasp_of_planar_targets(gap, caught):
-    situation, solution = planar()
+    situation, solution = answers.planar()
     x, y = solution["trajectory"]["hand"][-1]
     square = {"kind": "polygon", "vertices": [[-0.1, -0.1], [0.1, -0.1], [0.1, 0.1], [-0.1, 0.1]]}
     for shape in (square, {"kind": "disc", "radius": 0.1}):
         situation["bodies"][0]["shape"] = shape
-        situation["bodies"][0]["motion"] = LEVEL | {"position": [x + 0.1 + gap, y]}
+        situation["bodies"][0]["motion"] = answers.LEVEL | {"position": [x + 0.1 + gap, y]}
         assert (judge(situation, solution) == []) == caught
 
 
 @pytest.mark.parametrize(("gap", "caught"), [(0.0399, True), (0.0401, False)])
 def test_the_grasp_of_solids_is_measured_in_the_plane_to_their_cut(gap, caught):
     """A ball whose centre is 0.06 above the plane is cut in a disc of radius 0.08."""
-    situation, solution = planar()
+    situation, solution = answers.planar()
     x, y = solution["trajectory"]["hand"][-1]
     situation["plane"] = {"origin": [0, 0, 0], "x": [1, 0, 0], "y": [0, 1, 0]}
     for shape in (ball(0.1), {"kind": "box", "half_extents": [0.08, 0.2, 0.1]}):
@@ -238,7 +216,7 @@ def test_the_grasp_of_solids_is_measured_in_the_plane_to_their_cut(gap, caught):
 @pytest.mark.parametrize("tilt", [1e-1, 1e-3, 1e-4])
 def test_the_grasp_of_a_plate_that_hardly_meets_the_plane_is_measured_in_the_plane(tilt):
     """Beyond the cut of a tilted plate, 2e-6 thick, the solid stays near for long."""
-    situation, solution = planar()
+    situation, solution = answers.planar()
     x, y = solution["trajectory"]["hand"][-1]
     situation["plane"] = {"origin": [0, 0, 0], "x": [1, 0, 0], "y": [0, 1, 0]}
     turn = [np.cos(0.5 * tilt), 0.0, np.sin(0.5 * tilt), 0.0]
@@ -250,9 +228,9 @@ def test_the_grasp_of_a_plate_that_hardly_meets_the_plane_is_measured_in_the_pla
         assert (judge(solid, solution | {"clearance": None}) == []) == caught
 
 
-@pytest.mark.parametrize("case", MADE)
+@pytest.mark.parametrize("case", answers.MADE)
 def test_a_catch_at_once_has_one_sample(case):
-    situation, solution = MADE[case]()
+    situation, solution = answers.MADE[case]()
     solution["trajectory"] = {k: v[:1] for k, v in solution["trajectory"].items()}
     goal = situation["bodies"][0]
     arm = arm_in(situation, {})
@@ -269,8 +247,8 @@ def test_a_catch_at_once_has_one_sample(case):
 
 
 def test_the_axis_of_a_spatial_arm_is_that_of_its_forearm():
-    situation, solution = spatial(version=3)
-    _, _, axis = at(SPATIAL_ARM, JOINTS[-1])
+    situation, solution = answers.spatial(version=3)
+    _, _, axis = at(answers.SPATIAL_ARM, answers.JOINTS[-1])
     for within, off, kept in ((0.0, 0.0, True), (0.3, 0.29, True), (0.3, 0.31, False)):
         side = np.cross(axis, [0.0, 0.0, 1.0])
         side /= np.linalg.norm(side)
@@ -280,7 +258,7 @@ def test_the_axis_of_a_spatial_arm_is_that_of_its_forearm():
 
 
 def test_catches_at_one_time_stand_in_the_order_of_bodies():
-    situation, solution = chain()
+    situation, solution = answers.chain()
     situation["bodies"][1] |= {k: situation["bodies"][0][k] for k in ("motion", "shape")}
     both = [{"body": "second", "time": 0.7}, {"body": "first", "time": 0.7}]
     assert judge(situation, solution | {"catches": both, "catch_body": "first"}) == []

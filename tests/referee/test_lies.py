@@ -1,7 +1,5 @@
 """Planted lies: small edits of true answers, each of which breaks one promise."""
 
-from __future__ import annotations
-
 import copy
 import math
 from functools import cache
@@ -279,8 +277,6 @@ def test_a_lie_is_found(case, where, path, to, word):
     assert word in found and bool(word) == bool(found)
 
 
-# --- answers without a catch -----------------------------------------------------------------
-
 NONE = {"catch_time": None, "catch_body": None, "clearance": None, "message": "it says why"}
 INSIDE = {  # an obstacle, and a place on the arm at t = 0
     "planar": ("post", lambda s, a: a["trajectory"]["hand"][0]),
@@ -336,9 +332,6 @@ def test_a_start_is_blocked_by_the_arm_itself():
 def test_an_answer_without_a_catch_claims_none(case, field, to):
     situation, solution = true(case)
     assert f"{field}: " in words(situation, nothing(solution, "unreachable") | {field: to})
-
-
-# --- clearance -------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("case", MADE)

@@ -1,7 +1,5 @@
 """Plane cuts of solids against the solids themselves: membership, areas, volumes, symmetry."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -106,7 +104,6 @@ def test_a_point_is_in_the_cut_exactly_when_it_is_in_the_solid(placed, seed):
     assert not np.any((outside < -ARC_ERROR * shape.bounding_radius) & (distances > 0.0))
 
 
-@settings(max_examples=200)
 @given(placed_solids())
 def test_outline_bounds_the_cut(placed):
     shape, centre, rotation = placed
@@ -125,7 +122,6 @@ def test_outline_bounds_the_cut(placed):
         assert len(outline) == 0 or polygon_distance(x, y, outline) < 1e-9
 
 
-@settings(max_examples=200)
 @given(placed_solids())
 def test_polygons_are_convex_counter_clockwise_and_small(placed):
     _, polygon = cut_of(*placed)
@@ -138,7 +134,6 @@ def test_polygons_are_convex_counter_clockwise_and_small(placed):
         assert area(polygon) >= -1e-15
 
 
-@settings(max_examples=200)
 @given(placed_solids())
 def test_vertices_are_on_the_surface(placed):
     shape, centre, rotation = placed

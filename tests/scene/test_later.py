@@ -1,7 +1,5 @@
 """The same world, looked at later."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given

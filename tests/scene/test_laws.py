@@ -1,7 +1,5 @@
 """Motion laws in arrays: poses against closed forms, and bounds of the way, for every law."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from itertools import pairwise
 

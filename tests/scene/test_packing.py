@@ -1,7 +1,5 @@
 """Where bodies are: motion laws against closed forms, series and an integrator of our own."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

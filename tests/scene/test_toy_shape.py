@@ -1,7 +1,5 @@
 """The how-to for a shape: a copy of the package gets one, as `docs/extending.md` says."""
 
-from __future__ import annotations
-
 import json
 import os
 import re

@@ -4,8 +4,6 @@ A line of ``refused.jsonl`` is a list: the name of a scene, the path of a field,
 the value to put there; without a value the field is taken away.
 """
 
-from __future__ import annotations
-
 import copy
 import json
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Bodies of arms: what is read is what was written, and what makes no sense is refused by name."""
 
-from __future__ import annotations
-
 import json
 import re
 from dataclasses import replace

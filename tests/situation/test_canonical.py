@@ -1,7 +1,5 @@
 """The canonical form: what differs only by how it lies becomes the same."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

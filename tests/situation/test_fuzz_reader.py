@@ -1,7 +1,5 @@
 """Whatever a file holds: situations that hold what they promise, or one line that says why not."""
 
-from __future__ import annotations
-
 import json
 import re
 import tempfile

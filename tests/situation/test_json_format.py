@@ -1,7 +1,5 @@
 """Files of situations: what is refused, on which line, in which words; round trips."""
 
-from __future__ import annotations
-
 import io
 import json
 import os

@@ -1,7 +1,5 @@
 """Only simple counter-clockwise polygons pass, and the decision is exact."""
 
-from __future__ import annotations
-
 import math
 import time
 from fractions import Fraction

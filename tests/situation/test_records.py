@@ -1,7 +1,5 @@
 """Arms, planes, shapes, motions, bodies and situations check themselves and each other."""
 
-from __future__ import annotations
-
 import dataclasses
 import math
 import re

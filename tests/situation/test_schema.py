@@ -1,12 +1,10 @@
 """JSON Schemas of the formats: what is read is valid, and bad documents are refused by both."""
 
-from __future__ import annotations
-
 import json
 
 import jsonschema
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 
 from gcm_learn import situation as records
 from gcm_learn.errors import SituationError
@@ -39,7 +37,6 @@ def test_schemas_are_schemas():
         jsonschema.Draft202012Validator.check_schema(schema)
 
 
-@settings(max_examples=200)
 @given(strategies.any_situations())
 def test_written_situations_are_valid(situation):
     VALIDATORS[situation.format].validate(

@@ -1,7 +1,5 @@
 """The canonical form in space: without the base, and with left arms only."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Arms in space and situations of version 3: round trips, the contract's numbers, refusals."""
 
-from __future__ import annotations
-
 import copy
 import json
 import math

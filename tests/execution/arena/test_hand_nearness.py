@@ -1,7 +1,5 @@
 """Quick answers about what is near: never wrong, and mostly enough."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """What arms in space are told of commands, against slow and independent ways to work it out."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Plants of joints: what they report is verified, limits hold, batches are single arms."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
@@ -9,17 +7,6 @@ import pytest
 
 from gcm_learn import execution
 from gcm_learn.arms import CHAIN, SPATIAL, ByKind, hands_along, kind_of
-from gcm_learn.execution import (
-    CAUGHT,
-    COLLIDED,
-    LATE,
-    ChainSettings,
-    KinematicPlant,
-    Pool,
-    SpatialSettings,
-    run_episode,
-    way_of,
-)
 from gcm_learn.motion.failures import Failure
 from gcm_learn.motion.rules import opening
 from gcm_learn.motion.verification import verify
@@ -30,7 +17,7 @@ from tests.execution.conftest import Straight, begun, good
 from tests.judging import judge
 from tests.worlds import solid_ball
 
-SETTINGS = ByKind({SPATIAL: SpatialSettings(), CHAIN: ChainSettings()})
+SETTINGS = ByKind({SPATIAL: execution.SpatialSettings(), CHAIN: execution.ChainSettings()})
 
 
 @pytest.fixture(params=["spatial", "chain"])
@@ -54,9 +41,9 @@ class Wild:
 
 def played(situations, agent, settings=None):
     """Return a plant and what came of one episode in each situation."""
-    pool = Pool.of(situations)
-    plant = KinematicPlant(pool, len(pool), settings or SETTINGS.of(pool.kind))
-    return plant, run_episode(agent, plant, np.arange(len(pool)))
+    pool = execution.Pool.of(situations)
+    plant = execution.KinematicPlant(pool, len(pool), settings or SETTINGS.of(pool.kind))
+    return plant, execution.run_episode(agent, plant, np.arange(len(pool)))
 
 
 @pytest.mark.parametrize("wild", [False, True], ids=["aiming", "wild"])
@@ -68,27 +55,33 @@ def test_what_it_reports_is_what_the_verification_says(some, rng, wild):
         scene = pack(situation)
         rules = opening(scene).rules
         time, posture = episodes.path(e)
-        way = way_of(situation.arm, time, posture)
+        way = execution.way_of(situation.arm, time, posture)
         targets = [k for k, b in enumerate(situation.bodies) if b.role == "target"]
         verdicts = [verify(scene, rules, way, k) for k in targets]
         outcome = episodes.outcomes[e]
-        assert (outcome == CAUGHT) == any(v.good for v in verdicts)
-        if outcome == CAUGHT:
+        assert (outcome == execution.CAUGHT) == any(v.good for v in verdicts)
+        if outcome == execution.CAUGHT:
             continue
         # without its obstacles the way keeps every promise but the catch
         bare = without_obstacles(situation)
-        if kind_of(situation) is CHAIN and outcome == COLLIDED:
+        if kind_of(situation) is CHAIN and outcome == execution.COLLIDED:
             continue  # it may touch itself
         kept = verify(pack(bare), rules, way, 0)
         assert kept.reason is not None and kept.reason.failure is Failure.MISSED
-        assert (outcome == LATE) == (way.duration == situation.horizon and outcome != COLLIDED)
+        assert (outcome == execution.LATE) == (
+            way.duration == situation.horizon and outcome != execution.COLLIDED
+        )
         held = clearance_until(scene, rules, way, way.duration)
-        assert (held <= rules.touch) == (outcome == COLLIDED)
-        if outcome == COLLIDED and len(time) > 2:
-            before = way_of(situation.arm, time[:-1], posture[:-1])
+        assert (held <= rules.touch) == (outcome == execution.COLLIDED)
+        if outcome == execution.COLLIDED and len(time) > 2:
+            before = execution.way_of(situation.arm, time[:-1], posture[:-1])
             assert clearance_until(scene, rules, before, before.duration) > rules.touch
     found = set(episodes.outcomes.tolist())
-    assert COLLIDED in found and (CAUGHT in found or wild) and (LATE in found or not wild)
+    assert (
+        execution.COLLIDED in found
+        and (execution.CAUGHT in found or wild)
+        and (execution.LATE in found or not wild)
+    )
 
 
 def clearance_until(scene, rules, way, end):
@@ -120,7 +113,7 @@ def test_ranges_and_accelerations_hold_whatever_is_asked_for(some, rng):
     for e, situation in enumerate(some):
         arm = situation.arm
         time, posture = episodes.path(e)
-        way = way_of(arm, time, posture)
+        way = execution.way_of(arm, time, posture)
         if way.duration == 0.0:
             continue
         fine = np.linspace(0.0, way.duration, 3000)
@@ -170,7 +163,7 @@ def test_joints_go_where_they_are_told(arms):
     quick = [s for s in arms if s.arm.max_joint_acceleration is None][:6]
     free = [replace(s, bodies=(far_target(s.arm),)) for s in quick]
     free = [replace(s, arm=replace(s.arm, max_hand_speed=None)) for s in free]
-    plant = begun(Pool.of(free), SpatialSettings())
+    plant = begun(execution.Pool.of(free), execution.SpatialSettings())
     plant.move(np.full((len(free), 4), 0.01))
     for e, situation in enumerate(free):
         arm = situation.arm
@@ -181,8 +174,8 @@ def test_joints_go_where_they_are_told(arms):
 
 def test_many_arms_are_single_ones(some, rng):
     """Whatever the batch and the threads."""
-    settings, pool = SETTINGS.of(some[0]), Pool.of(some)
-    many, alone = begun(pool, settings, threads=3), KinematicPlant(pool, 1, settings)
+    settings, pool = SETTINGS.of(some[0]), execution.Pool.of(some)
+    many, alone = begun(pool, settings, threads=3), execution.KinematicPlant(pool, 1, settings)
     commands = rng.uniform(-1.5, 1.5, (15, len(pool), settings.commands))
     told, outcomes = [], []
     for command in commands:
@@ -200,9 +193,11 @@ def test_a_target_in_the_hand_is_caught_at_once(arms):
     arm = situation.arm
     hand = hands_along(arm, arm.joints)[0][0]
     ball = solid_ball("ball", hand, role="target", radius=0.1 * arm.reach)
-    _, episodes = played([replace(situation, bodies=(ball,))], Straight(SpatialSettings()))
-    assert episodes.outcomes[0] == CAUGHT and episodes.times[0] == 0.0
-    assert way_of(arm, *episodes.path(0)).duration == 0.0
+    _, episodes = played(
+        [replace(situation, bodies=(ball,))], Straight(execution.SpatialSettings())
+    )
+    assert episodes.outcomes[0] == execution.CAUGHT and episodes.times[0] == 0.0
+    assert execution.way_of(arm, *episodes.path(0)).duration == 0.0
 
 
 def test_the_referee_accepts_every_catch(chains):

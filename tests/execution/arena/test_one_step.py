@@ -1,7 +1,5 @@
 """A catch and a touch within one step: the earlier of them counts, and only it."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

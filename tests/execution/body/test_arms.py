@@ -1,7 +1,5 @@
 """Arms with mass side by side: each is a plant of its own, told and paid as kinematic ones are."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

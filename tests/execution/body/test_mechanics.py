@@ -1,7 +1,5 @@
 """Arms in MuJoCo: kinematics of the contract, laws of mechanics, and touches that count."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from itertools import product
 

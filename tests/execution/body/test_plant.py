@@ -1,7 +1,5 @@
 """Plans of spatial arms in physics, and a world that keeps its laws until a hand touches it."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Bodies from robots' files: MuJoCo's own reading of a file needs the same torques."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Several catches by arms with mass: which targets are caught, when, and what ends an episode."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """A tube is measured on what was done, and a plan in a tube keeps it."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from types import SimpleNamespace
 

@@ -1,7 +1,5 @@
 """Belief: exact without noise, else as near as theory predicts, and no nearer."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 
@@ -50,6 +48,13 @@ def told(belief, eyes, situation, looks, *seed):
     return np.array([belief.join(percept) for percept in percepts if percept is not None])
 
 
+def believing(situation, looks, *seed, eyes=EYES, **prior):
+    """Return the belief after some looks."""
+    belief = Belief(situation, eyes, **prior)
+    told(belief, eyes, situation, looks, *seed)
+    return belief
+
+
 def flown(rng, forearm):
     """Return a motion whose acceleration is drawn from the prior."""
     place, velocity, pull = rng.normal(size=3), rng.normal(size=3), PRIOR * forearm
@@ -60,8 +65,7 @@ def flown(rng, forearm):
 def test_without_noise_two_percepts_suffice(name):
     """From the second percept on the world goes on as believed, to the end."""
     situation = families.draw(name, 1400, 1)
-    eyes, belief = Perception(), Belief(situation, Perception())
-    told(belief, eyes, situation, 3, 0)
+    belief = believing(situation, 3, 0, eyes=Perception())
     assert belief.looks == 2
     for now in (0.04, 0.5 * situation.horizon):
         believed = belief.situation(now, situation.arm)
@@ -78,8 +82,7 @@ def test_without_noise_two_percepts_suffice(name):
 def test_the_arm_is_the_one_that_is_told(arm):
     moving = replace(arm, max_joint_acceleration=(50.0,) * 4, joint_rates=(0.1, 0.0, -0.2, 0.3))
     situation = world(moving, flight((1.0, 0.0, 0.0)))
-    belief = Belief(situation, EYES)
-    told(belief, EYES, situation, 2, 0)
+    belief = believing(situation, 2, 0)
     assert belief.situation(0.3, moving).arm == moving
 
 
@@ -88,9 +91,8 @@ def test_nothing_is_known_before_the_first_look(arm):
     thought = []
     for pull in (5.0, -5.0):
         situation = world(arm, flight((1.0, 0.0, 0.0), (0.3, 0.0, 0.0), (pull, 0.0, 0.0)))
-        belief = Belief(situation, Perception(delay=0))
-        told(belief, Perception(delay=0), situation, 1, 0)
-        thought.append(belief.situation(0.5, arm))
+        seen = believing(situation, 1, 0, eyes=Perception(delay=0))
+        thought.append(seen.situation(0.5, arm))
     assert thought[0] == thought[1]
     assert thought[0].bodies[0].motion.position == pytest.approx((1.15, 0.0, 0.0))
 
@@ -99,8 +101,7 @@ def test_a_body_at_rest_is_known_ever_better(arm):
     """By all looks together: the mean of them, and the deviation falls with their root."""
     situation = world(arm, flight((1.0, 0.2, 0.4)))
     for looks in (1, 4, 25):
-        belief = Belief(situation, EYES)
-        told(belief, EYES, situation, looks, 3)
+        belief = believing(situation, looks, 3)
         seen = [EYES.told(situation, k, 3).bodies[0].motion.position for k in range(looks)]
         believed = belief.situation(1.0, arm).bodies[0].motion
         assert believed.position == pytest.approx(np.mean(seen, axis=0), abs=1e-9)
@@ -112,8 +113,7 @@ def test_the_filter_is_least_squares(arm):
     """Mean and deviation are those of all looks and the prior in one system of equations."""
     rng, looks, now = seeding.rng(8), 12, 0.6
     situation = world(arm, flown(rng, 0.5))
-    belief = Belief(situation, EYES, PRIOR)
-    told(belief, EYES, situation, looks, 4)
+    belief = believing(situation, looks, 4, acceleration=PRIOR)
     rows, values = [], []
     for k in range(looks):
         t, seen = 0.02 * k, EYES.told(situation, k, 4).bodies[0].motion
@@ -137,8 +137,7 @@ def test_errors_are_as_believed_and_unbiased(arm):
     for k in range(200):
         motion = flown(seeding.rng(21, k), 0.5)
         situation = world(arm, motion)
-        belief = Belief(situation, EYES, PRIOR)
-        told(belief, EYES, situation, 10, 22, k)
+        belief = believing(situation, 10, 22, k, acceleration=PRIOR)
         for now, found in ratios.items():
             true = later(situation, now, joints=arm.joints).bodies[0].motion.position
             off = np.subtract(belief.situation(now, arm).bodies[0].motion.position, true)
@@ -153,8 +152,7 @@ def test_bodies_that_fall_are_followed_from_the_first_looks_on():
     ratios = []
     for k in range(12):
         situation = families.draw("falling-space", 1400, k)
-        belief = Belief(situation, EYES)
-        told(belief, EYES, situation, 8, 61, k)
+        belief = believing(situation, 8, 61, k)
         true = later(situation, 0.5).bodies
         believed, deviations = belief.situation(0.5, situation.arm).bodies, belief.deviations(0.5)
         for one, other, body, deviation in zip(
@@ -190,8 +188,7 @@ def test_surprises_are_chi_square(arm):
 def test_the_shift_of_a_known_law_is_the_mean_of_all_looks(motion):
     """It is believed at all later times, whatever the law does between two looks and after."""
     situation, looks = known(motion), 30
-    belief = Belief(situation, EYES)
-    told(belief, EYES, situation, looks, 5)
+    belief = believing(situation, looks, 5)
     offs = []
     for k in range(looks):
         percept = EYES.told(situation, k, 5)
@@ -220,9 +217,7 @@ def test_a_pendulum_is_followed(arm):
     ratios, spans = [], []
     situation = world(arm, SWING)
     for k in range(60):
-        beliefs = [Belief(situation, EYES) for _ in range(2)]
-        for belief, looks in zip(beliefs, (3, 45), strict=True):
-            told(belief, EYES, situation, looks, 42, k)
+        beliefs = [believing(situation, looks, 42, k) for looks in (3, 45)]
         before, after = (belief.deviations(1.0)[0] for belief in beliefs)
         spans.append(after / before)
         true = later(situation, 1.0, joints=arm.joints).bodies[0].motion.angle
@@ -253,8 +248,7 @@ def test_dropouts_make_less_certain(arm):
 def test_what_begins_to_move_is_believed_anew(arm):
     """A body that was seen at rest and is not any more has no past."""
     rest = world(arm, flight((1.0, 0.0, 0.0)))
-    belief = Belief(rest, Perception(delay=0))
-    told(belief, Perception(delay=0), rest, 3, 0)
+    belief = believing(rest, 3, 0, eyes=Perception(delay=0))
     flies = replace(rest.bodies[0].motion, velocity=(2.0, 0.0, 0.0))
     belief.join(Percept(0.06, (replace(rest.bodies[0], motion=flies),), (False,)))
     assert belief.situation(0.06, arm).bodies[0].motion.velocity == (2.0, 0.0, 0.0)

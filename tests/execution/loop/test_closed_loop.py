@@ -1,7 +1,5 @@
 """The closed loop: thinking takes time, plans begin where the arm will be, noise is survived."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from types import SimpleNamespace
 

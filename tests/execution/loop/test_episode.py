@@ -1,7 +1,5 @@
 """Episodes: one loop for whatever acts and whatever carries commands out."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

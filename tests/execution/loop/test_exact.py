@@ -1,7 +1,5 @@
 """The kinematic arm: it is on its trajectory, and events are found in time."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

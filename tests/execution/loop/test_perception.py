@@ -1,7 +1,5 @@
 """Percepts: exact without noise, errors of the given size, the same for the same seed."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 
