@@ -17,17 +17,17 @@ from types import ModuleType
 ENTRIES = {
     "CatchArm-v0": ("gcm_learn.envs.catch_arm:CatchArm", "gcm_learn.envs.vector:CatchArms"),
     "CatchArm3D-v0": (
-        "gcm_learn.envs.catch_arm_3d:CatchArm3D", "gcm_learn.envs.vector:CatchArms3D",
+        "gcm_learn.envs.catch_arm:CatchArm3D", "gcm_learn.envs.vector:CatchArms3D",
     ),
     "CatchChain-v0": (
         "gcm_learn.envs.catch_chain:CatchChain", "gcm_learn.envs.vector:CatchChains",
     ),
     "CatchArmPhysics-v0": (
-        "gcm_learn.envs.catch_arm_physics:CatchArmPhysics",
+        "gcm_learn.envs.catch_arm:CatchArmPhysics",
         "gcm_learn.envs.vector:CatchArmsPhysics",
     ),
     "CatchChainPhysics-v0": (
-        "gcm_learn.envs.catch_chain_physics:CatchChainPhysics",
+        "gcm_learn.envs.catch_chain:CatchChainPhysics",
         "gcm_learn.envs.vector:CatchChainsPhysics",
     ),
 }  # fmt: skip

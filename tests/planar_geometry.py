@@ -6,7 +6,7 @@ from functools import lru_cache
 import numpy as np
 
 from gcm_learn.referee import arm_of, bodies_of
-from gcm_learn.referee.planar_rates import joint_rates
+from gcm_learn.referee.planar_arm import joint_rates
 from gcm_learn.referee.shapes import point_gaps, segment_gaps
 from gcm_learn.situation import Body, Disc, PlanarQuadratic, Situation, situation_to_json
 

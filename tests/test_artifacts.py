@@ -6,7 +6,7 @@ from gcm_learn import artifacts
 from gcm_learn.errors import EncoderError, PolicyError, RecallError
 from gcm_learn.evaluation import suites
 from gcm_learn.execution.arena.settings import encoder
-from gcm_learn.policies.planner import actor_names, shipped_actor
+from gcm_learn.policies.actor import actor_names, shipped_actor
 from gcm_learn.recall import has_memory, shipped_memory
 
 

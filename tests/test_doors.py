@@ -16,10 +16,11 @@ ROOT = Path(__file__).parents[1]
 PACKAGE = ROOT / "gcm_learn"
 FOLDERS = sorted(path.parent.name for path in PACKAGE.glob("*/__init__.py"))
 MIXED = {
+    "gcm_learn.families.chain.stage",
     "gcm_learn.arms.limbs",
     "gcm_learn.arms.planar_limb",
     "gcm_learn.execution.body.plant",
-    "gcm_learn.execution.loop.joint_events",
+    "gcm_learn.execution.loop.joint_leading",
     "gcm_learn.charts.lattice",
     "gcm_learn.charts.postures",
     "gcm_learn.charts.posture_lattice",

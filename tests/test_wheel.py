@@ -86,7 +86,7 @@ def test_an_installed_package_finds_it_and_writes_elsewhere(installed, tmp_path)
 import gcm_learn
 from gcm_learn import artifacts
 from gcm_learn.evaluation import cases
-from gcm_learn.policies.planner import actor_names, shipped_actor
+from gcm_learn.policies.actor import actor_names, shipped_actor
 from gcm_learn.recall import shipped_memory
 assert gcm_learn.__file__.startswith({str(installed)!r})
 assert artifacts.kept("data").is_relative_to({str(tmp_path)!r}), artifacts.kept("data")

@@ -10,7 +10,7 @@ import torch
 from torch import nn
 
 from gcm_learn.recall import PcaIndex, Waypoints, map_picture, nearest_rows, raw_features
-from gcm_learn.scene.scene import Scene
+from gcm_learn.scene.packing import Scene
 from gcm_learn.situation import Situation
 
 WIDTH, EPOCHS, BATCH, RATE = 256, 30, 64, 1e-3

@@ -13,9 +13,8 @@ from zipfile import BadZipFile
 
 import numpy as np
 
-from gcm_learn.cover.belts import parametric_family
 from gcm_learn.cover.catches import StoredCatch
-from gcm_learn.cover.families import ParametricFamily
+from gcm_learn.cover.families import ParametricFamily, parametric_family
 from gcm_learn.errors import CoverError
 from gcm_learn.storage import content_hash, whole_file, write_whole
 

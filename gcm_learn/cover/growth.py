@@ -1,18 +1,20 @@
-"""Growth of a cover: examine the largest cells, keep what is proven, cut the others."""
+"""Growth of a cover: examine the largest cells, keep the proven, cut the others; checks."""
 
 from __future__ import annotations
 
 import heapq
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
+from gcm_learn import seeding
 from gcm_learn.cover.catches import Doubt, StoredCatch, doubt_of, planned
 from gcm_learn.cover.cover import CLOSED, OPEN, Cell, Cover
 from gcm_learn.cover.families import ParametricFamily
+from gcm_learn.motion import rules_of, verify
 from gcm_learn.processes import Crew
 from gcm_learn.scene import Scene, pack
 
@@ -218,3 +220,36 @@ def _axis(family: ParametricFamily, half: np.ndarray, doubt: Doubt) -> tuple[int
     sides = 2.0 * half / (family.high - family.low)
     weights = np.where(sides > SMALLEST * (1.0 + 1e-9), doubt.shares, -1.0)
     return (int(weights.argmax()),) if weights.max() >= 0.0 else ()
+
+
+def draws(
+    cover: Cover, count: int, seed: int, first: int = 0
+) -> Iterator[tuple[np.ndarray, StoredCatch]]:
+    """Draw parameters (K,) evenly over what is covered, each with its stored catch.
+
+    Draw k depends on the seed and k only; `first` is the first of them.
+    """
+    held = [cell for cell in cover.leaves() if cell.held >= 0]
+    sizes = np.cumsum([cover.size(cell) for cell in held])
+    for k in range(first, first + count if held else first):
+        rng = seeding.rng(seed, k)
+        cell = held[int(np.searchsorted(sizes, rng.random() * sizes[-1], side="right"))]
+        yield rng.uniform(cell.low, cell.high), cover.catches[cell.held]
+
+
+def broken_of(
+    cover: Cover,
+    count: int,
+    seed: int,
+    progress: Callable[[], None] = lambda: None,
+    first: int = 0,
+) -> tuple[int, int]:
+    """Verify draws from proven cells; return how many break a promise, and how many there are."""
+    broken = drawn = 0
+    for theta, catch in draws(cover, count, seed, first):
+        scene = pack(cover.family.situation(theta))
+        movement = catch.movement(cover.family, theta)
+        broken += not verify(scene, rules_of(scene), movement, catch.body).good
+        drawn += 1
+        progress()
+    return broken, drawn

@@ -12,9 +12,8 @@ import numpy as np
 
 from gcm_learn import artifacts
 from gcm_learn.arms import Kind, kind_of
-from gcm_learn.cover.belts import FAMILIES
 from gcm_learn.cover.cover import CLOSED, MANIFEST, Cell, Cover, load_cover
-from gcm_learn.cover.families import SAME
+from gcm_learn.cover.families import FAMILIES, SAME
 from gcm_learn.errors import CoverError
 from gcm_learn.motion import Failure, rules_of, verify
 from gcm_learn.planners import Plan, as_ours

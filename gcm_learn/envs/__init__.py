@@ -10,11 +10,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from gcm_learn.envs.catch_arm import CatchArm
-    from gcm_learn.envs.catch_arm_3d import CatchArm3D
-    from gcm_learn.envs.catch_arm_physics import CatchArmPhysics
-    from gcm_learn.envs.catch_chain import CatchChain
-    from gcm_learn.envs.catch_chain_physics import CatchChainPhysics
+    from gcm_learn.envs.catch_arm import CatchArm, CatchArm3D, CatchArmPhysics
+    from gcm_learn.envs.catch_chain import CatchChain, CatchChainPhysics
     from gcm_learn.envs.one_arm import box, commands, finite
     from gcm_learn.envs.vector import (
         CatchArms,
@@ -61,13 +58,13 @@ __all__ = [
 
 _HOMES = {
     "CatchArm": "envs.catch_arm",
-    "CatchArm3D": "envs.catch_arm_3d",
-    "CatchArmPhysics": "envs.catch_arm_physics",
+    "CatchArm3D": "envs.catch_arm",
+    "CatchArmPhysics": "envs.catch_arm",
     "CatchArms": "envs.vector",
     "CatchArms3D": "envs.vector",
     "CatchArmsPhysics": "envs.vector",
     "CatchChain": "envs.catch_chain",
-    "CatchChainPhysics": "envs.catch_chain_physics",
+    "CatchChainPhysics": "envs.catch_chain",
     "CatchChains": "envs.vector",
     "CatchChainsPhysics": "envs.vector",
     "ChainPhysicalSettings": "execution",

@@ -7,12 +7,12 @@
 """
 
 from gcm_learn.execution.arena.batch import Batch, KinematicPlant, way_of
-from gcm_learn.execution.arena.kernels.hands.fan import RAYS
+from gcm_learn.execution.arena.kernels.hands.nearness import RAYS
 from gcm_learn.execution.arena.kernels.hands.observation import MEETING
 from gcm_learn.execution.arena.kernels.joints.fan import COMMANDS, commands_of
 from gcm_learn.execution.arena.kernels.joints.observation import AIM
 from gcm_learn.execution.arena.kernels.world import CAUGHT, COLLIDED, LATE, RUNNING
-from gcm_learn.execution.arena.pool import Pool, placed
+from gcm_learn.execution.arena.pool import Pool, placed, without
 from gcm_learn.execution.arena.settings import (
     OUTCOMES,
     TERMS,
@@ -24,11 +24,11 @@ from gcm_learn.execution.arena.settings import (
     encoder,
     settings_of,
 )
-from gcm_learn.execution.arena.wanted import without
 from gcm_learn.execution.arenas import (
     ARENAS,
     AnyBody,
     Arena,
+    Source,
     arena_named,
     arena_of,
     plant_of,
@@ -43,21 +43,21 @@ from gcm_learn.execution.body.bodies import (
     read_body,
     shipped_bodies,
 )
-from gcm_learn.execution.body.control import Controller
 from gcm_learn.execution.body.executing import (
     Execution,
     execute,
     execute_seen,
     execution_to_json,
+    measured_tube,
     several_in,
 )
 from gcm_learn.execution.body.kinds import MECHANICS
-from gcm_learn.execution.body.motors import motor_accelerations, with_motor_limits
+from gcm_learn.execution.body.motors import Controller, motor_accelerations, with_motor_limits
 from gcm_learn.execution.body.plant import Contact, PhysicalPlant
-from gcm_learn.execution.body.tube import measured_tube
 from gcm_learn.execution.loop.belief import Belief
 from gcm_learn.execution.loop.closed_loop import (
     Course,
+    ExactPlant,
     LedPlant,
     Loop,
     Mind,
@@ -74,12 +74,9 @@ from gcm_learn.execution.loop.episode import (
     into_frame,
     run_episode,
 )
-from gcm_learn.execution.loop.exact import ExactPlant
-from gcm_learn.execution.loop.follower import follower_of
 from gcm_learn.execution.loop.kinds import forearm_of
-from gcm_learn.execution.loop.minds import HABITS, Commanding, Planning
+from gcm_learn.execution.loop.minds import HABITS, Commanding, Planning, follower_of
 from gcm_learn.execution.loop.perception import Percept, Perception
-from gcm_learn.execution.sources import Source
 
 __all__ = [
     "AIM",

@@ -6,16 +6,22 @@
 """
 
 from gcm_learn.errors import UnknownNameError
-from gcm_learn.families.examples import gate_scene, thrown_scene
 from gcm_learn.families.family import ArmRanges, Family
 from gcm_learn.families.layout import WayRanges
-from gcm_learn.families.paper import CAPTION_INSTANTS, KAPPA, PAPER_SCENES, fig3
+from gcm_learn.families.paper import (
+    CAPTION_INSTANTS,
+    KAPPA,
+    PAPER_SCENES,
+    fig3,
+    gate_scene,
+    thrown_scene,
+)
 from gcm_learn.families.piece_family import Sizes
 from gcm_learn.families.pieces import SpaceRanges
-from gcm_learn.families.presets import PRESETS
 from gcm_learn.families.random_planar import random_planar
 from gcm_learn.families.random_solid import random_solid
 from gcm_learn.families.registry import (
+    PRESETS,
     draw,
     family_from_dict,
     family_names,
@@ -26,8 +32,8 @@ from gcm_learn.families.registry import (
     read_family,
     with_arm,
 )
+from gcm_learn.families.space.arms import SPATIAL_SCENES
 from gcm_learn.families.space.family import SpatialFamily
-from gcm_learn.families.space.paper import SPATIAL_SCENES
 from gcm_learn.situation import AnySituation
 
 __all__ = [

@@ -1,9 +1,8 @@
 """Dynamic made static: cognitive maps and the paths that run down them."""
 
-from gcm_learn.maps.build import build_map, explore, map_of
+from gcm_learn.maps.build import build_map, explore, map_of, static_twin
 from gcm_learn.maps.cognitive_map import CognitiveMap, Interception
 from gcm_learn.maps.descent import chain_to, descend
-from gcm_learn.maps.twins import static_twin
 
 __all__ = [
     "CognitiveMap",

@@ -3,9 +3,8 @@
 from gcm_learn.outside.converted import Converted, Converter
 from gcm_learn.outside.motionbenchmaker import MotionBenchMaker
 from gcm_learn.outside.moveit import bodies_of, goal_of, posture_of, start_of
-from gcm_learn.outside.nodes import Node
+from gcm_learn.outside.nodes import Node, json_nodes, yaml_node
 from gcm_learn.outside.si_rrt import SiRrt
-from gcm_learn.outside.sources import json_nodes, yaml_node
 from gcm_learn.outside.table_tennis import TableTennis
 
 CONVERTERS: dict[str, type[Converter]] = {

@@ -15,8 +15,7 @@ from gcm_learn.errors import FileFormatError, SituationError
 from gcm_learn.outside import converted
 from gcm_learn.outside.in_motion import in_motion
 from gcm_learn.outside.moveit import base_of, bodies_of, goal_of, posture_of, start_of
-from gcm_learn.outside.nodes import Node
-from gcm_learn.outside.sources import Careful, texts, yaml_node
+from gcm_learn.outside.nodes import Careful, Node, texts, yaml_node
 from gcm_learn.seeding import rng
 from gcm_learn.situation import Situation
 

@@ -13,8 +13,7 @@ from gcm_learn.arms import Base, Chain, ChainModel
 from gcm_learn.checks import positive, quote
 from gcm_learn.errors import SituationError
 from gcm_learn.outside import converted
-from gcm_learn.outside.nodes import Node, unique
-from gcm_learn.outside.sources import json_nodes
+from gcm_learn.outside.nodes import Node, json_nodes, unique
 from gcm_learn.situation import (
     Body,
     Box,

@@ -15,8 +15,7 @@ from gcm_learn.checks import non_negative, positive
 from gcm_learn.errors import FileFormatError
 from gcm_learn.outside.ball_flight import HEIGHT, NET, RADIUS, TABLE, Flight, flights, pieces_of
 from gcm_learn.outside.converted import REST, Converted, is_blocked, model_named
-from gcm_learn.outside.nodes import Node
-from gcm_learn.outside.sources import json_nodes
+from gcm_learn.outside.nodes import Node, json_nodes
 from gcm_learn.situation import Body, Box, Piecewise, Situation, SolidQuadratic, Sphere
 
 FILES = r".+\.json(\.gz)?"

@@ -71,7 +71,7 @@ SUMMARIES = {
 """Each planner in one line."""
 WHOLE = ("covered", "oracle", "st-rrt-star")
 """Planners that look at any horizon as a whole."""
-_ACTORS = "gcm_learn.policies.planner:tried_out"
+_ACTORS = "gcm_learn.policies.actor:tried_out"
 _POLICIES = "gcm_learn.policies.outside:planner_of"
 Made = TypeVar("Made")
 _OURS: WeakValueDictionary[int, Any] = WeakValueDictionary()

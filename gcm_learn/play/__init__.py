@@ -1,9 +1,8 @@
 """A page in the browser on which a planar situation is changed by hand, and answered at once."""
 
 from gcm_learn.play.answers import ANSWERS, example, respond
-from gcm_learn.play.newest import Newest
 from gcm_learn.play.questions import shown
-from gcm_learn.play.server import Server
+from gcm_learn.play.server import Newest, Server
 
 KINDS = tuple(ANSWERS)
 """Kinds of questions that are answered."""

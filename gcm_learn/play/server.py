@@ -1,4 +1,7 @@
-"""The page's server: this machine only, one secret address, and only the page's own files."""
+"""The page's server: this machine only, one secret address, and only the page's own files.
+
+Of the questions that wait it answers the newest.
+"""
 
 from __future__ import annotations
 
@@ -6,15 +9,78 @@ import hmac
 import json
 import secrets
 import sys
-from collections.abc import Collection
+import threading
+from collections.abc import Callable, Collection
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from importlib.resources import files
 from typing import Any
 
 from gcm_learn.errors import GcmError
-from gcm_learn.play.newest import Newest
+from gcm_learn.planners import in_words
 from gcm_learn.situation import JsonTextError, parse
+
+Values = dict[str, Any]
+DROPPED: Values = {"dropped": True}
+"""Answer to a question after which a newer one came."""
+
+
+class _Waiting:
+    """A question that waits for the worker."""
+
+    def __init__(self, kind: str, question: Values) -> None:
+        self.kind, self.question = kind, question
+        self.answer = DROPPED
+        self.done = threading.Event()
+
+
+class Newest:
+    """Answers questions one after the other, in a thread of its own.
+
+    Parameters
+    ----------
+    respond : callable
+        Takes kind and question, returns the answer; it is never called by two threads at once.
+    """
+
+    def __init__(self, respond: Callable[[str, Values], Values]) -> None:
+        self._respond = respond
+        self._waiting: dict[tuple[str, str], _Waiting] = {}
+        self._changed = threading.Condition()
+        threading.Thread(target=self._work, name="engine", daemon=True).start()
+
+    def ask(self, kind: str, question: Values, page: str = "") -> Values:
+        """Return the answer to a question, or `DROPPED` if a newer one of its kind came before.
+
+        Parameters
+        ----------
+        kind : str
+        question : dict
+        page : str
+            Questions of different pages never replace each other.
+        """
+        asked = _Waiting(kind, question)
+        with self._changed:
+            older = self._waiting.pop((page, kind), None)
+            self._waiting[page, kind] = asked
+            self._changed.notify()
+        if older is not None:
+            older.done.set()
+        asked.done.wait()
+        return asked.answer
+
+    def _work(self) -> None:
+        while True:
+            with self._changed:
+                while not self._waiting:
+                    self._changed.wait()
+                asked = self._waiting.pop(next(iter(self._waiting)))
+            try:
+                asked.answer = self._respond(asked.kind, asked.question)
+            except Exception as error:  # the page goes on, and shows what happened
+                asked.answer = {"error": f"unexpected error: {in_words(error)}"}
+            asked.done.set()
+
 
 LOOPBACK = "127.0.0.1"
 LARGEST_QUESTION = 1_000_000  # [bytes]

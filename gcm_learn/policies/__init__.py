@@ -7,12 +7,10 @@
 from typing import TYPE_CHECKING
 
 from gcm_learn.late import late_names
-from gcm_learn.policies.actor import FILE, Acting, Actor
-from gcm_learn.policies.card import score
-from gcm_learn.policies.exports import export_minari
-from gcm_learn.policies.outside import OwnPolicy, own_policy
-from gcm_learn.policies.plan import TrainingPlan, plan_of, read_plan
-from gcm_learn.policies.planner import (
+from gcm_learn.policies.actor import (
+    FILE,
+    Acting,
+    Actor,
     ActorPlanner,
     acted,
     actor_folder,
@@ -22,6 +20,10 @@ from gcm_learn.policies.planner import (
     shipped_actor,
     tried_out,
 )
+from gcm_learn.policies.exports import export_minari
+from gcm_learn.policies.outside import OwnPolicy, own_policy
+from gcm_learn.policies.plan import TrainingPlan, plan_of, read_plan
+from gcm_learn.policies.training import score
 
 if TYPE_CHECKING:
     from gcm_learn.policies.training import train

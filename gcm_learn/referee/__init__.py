@@ -7,12 +7,11 @@
 Its geometry is its own, in plain numpy.  ``python -m gcm_learn.referee`` judges files.
 """
 
-from gcm_learn.referee.bodies import Body, bodies_of
-from gcm_learn.referee.complaints import Complaint, Unreadable
 from gcm_learn.referee.contact import Motion, nearest_obstacle, overlap
-from gcm_learn.referee.files import judge_files, models_of
-from gcm_learn.referee.judging import Verdict, examine, judge
+from gcm_learn.referee.judging import Verdict, examine, judge, judge_files, models_of
 from gcm_learn.referee.kinds import Arm, arm_of
+from gcm_learn.referee.motions import Body, bodies_of
+from gcm_learn.referee.tolerances import Complaint, Unreadable
 
 __all__ = [
     "Arm",

@@ -11,8 +11,8 @@ import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from gcm_learn.referee.complaints import Complaint, Unreadable
-from gcm_learn.referee.files import judge_files
+from gcm_learn.referee.judging import judge_files
+from gcm_learn.referee.tolerances import Complaint, Unreadable
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -12,7 +12,7 @@ from typing import Protocol
 
 import numpy as np
 
-from gcm_learn.referee.bodies import Body, into
+from gcm_learn.referee.motions import Body, into
 from gcm_learn.referee.rotations import Array
 from gcm_learn.referee.shapes import point_apart, segment_gaps, segments_apart
 from gcm_learn.referee.tolerances import WORK

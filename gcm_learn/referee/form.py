@@ -8,8 +8,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from gcm_learn.referee.complaints import Complaint
 from gcm_learn.referee.rotations import Array
+from gcm_learn.referee.tolerances import Complaint
 
 FIELDS = (
     "format", "name", "planner", "status", "catch_time", "catch_body", "clearance", "planning_ms",

@@ -2,22 +2,35 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from gcm_learn.referee.bodies import Body
 from gcm_learn.referee.chain import ZERO, ChainMotion, Geometry, tree_of
-from gcm_learn.referee.complaints import Complaint, Unreadable
 from gcm_learn.referee.contact import Motion
 from gcm_learn.referee.curves import Curve, curve_of
 from gcm_learn.referee.limits import Limits, hand_complaints, joint_complaints
-from gcm_learn.referee.models import shipped_model
+from gcm_learn.referee.motions import Body
 from gcm_learn.referee.rotations import Array, rotations, unit
 from gcm_learn.referee.situations import check_model
-from gcm_learn.referee.tolerances import AT_LIMIT, TOLERANCES, Tolerances
+from gcm_learn.referee.tolerances import AT_LIMIT, TOLERANCES, Complaint, Tolerances, Unreadable
+
+SHIPPED = Path(__file__).parents[1] / "arms" / "models"
+
+
+@cache
+def shipped_model(name: str) -> dict[str, Any]:
+    """Return the object of a shipped arm file."""
+    known = {path.stem: path for path in SHIPPED.glob("*.json")}
+    if name not in known:
+        raise Unreadable(f'arm.model: "{name}" is not a known arm')
+    return json.loads(known[name].read_text("utf-8"))
+
 
 Columns = Mapping[str, Array]
 Models = Mapping[str, Mapping[str, Any]]

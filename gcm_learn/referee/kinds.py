@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Set
 from typing import Any, Protocol
 
-from gcm_learn.referee.bodies import Body
-from gcm_learn.referee.complaints import Complaint, Unreadable
 from gcm_learn.referee.contact import Motion
 from gcm_learn.referee.joint_arms import Models, read_chain, read_spatial
+from gcm_learn.referee.motions import Body
 from gcm_learn.referee.planar_arm import read_planar
 from gcm_learn.referee.rotations import Array
 from gcm_learn.referee.situations import check_situation
-from gcm_learn.referee.tolerances import Tolerances
+from gcm_learn.referee.tolerances import Complaint, Tolerances, Unreadable
 
 Columns = Mapping[str, Array]
 FORMAT = "gcm-learn/situation@"

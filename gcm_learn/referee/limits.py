@@ -7,10 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from gcm_learn.referee.chain import Geometry
-from gcm_learn.referee.complaints import Complaint
 from gcm_learn.referee.curves import Curve
 from gcm_learn.referee.rotations import Array
-from gcm_learn.referee.tolerances import ROUNDING, WORK, Tolerances
+from gcm_learn.referee.tolerances import ROUNDING, WORK, Complaint, Tolerances
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,8 @@ import math
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from gcm_learn.referee.complaints import Unreadable
 from gcm_learn.referee.form import is_number
+from gcm_learn.referee.tolerances import Unreadable
 
 Check = Callable[[Any], bool]
 UNIT = 1e-5

@@ -1,4 +1,4 @@
-"""Tolerances of all promises, by version of the exchange format.
+"""Complaints of the referee, and tolerances of all promises by version of the exchange format.
 
 Numbers marked *contract* are given by the exchange contract.  The others allow for rounding, or for
 numbers that are information and no promise.  Nothing else in this folder grants anything.
@@ -6,7 +6,9 @@ numbers that are information and no promise.  Nothing else in this folder grants
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import json
+from dataclasses import asdict, dataclass
+from typing import Any
 
 ROUNDING = 1e-14
 """Of differences of joints and of times, relative to their size."""
@@ -64,3 +66,30 @@ TOLERANCES = {
     ),
 }
 """By version of the exchange format."""
+
+
+@dataclass(frozen=True)
+class Complaint:
+    """A promise of the exchange contract that a solution breaks."""
+
+    field: str
+    """Field of the solution, e.g. ``trajectory.joints``."""
+    what: str
+    at: float | None = None
+    """Time at which the promise is broken [s]; None if no single instant is."""
+    name: str = ""
+    """Name of the situation."""
+
+    def __str__(self) -> str:
+        """Return the complaint as one line."""
+        when = "" if self.at is None else f", at {self.at:.6g} s"
+        line = f"{self.name}: {self.field}: {self.what}{when}"
+        return line if line.isprintable() else json.dumps(line)[1:-1]
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the complaint as an object for machines."""
+        return asdict(self)
+
+
+class Unreadable(ValueError):
+    """A situation or a file that cannot be judged; the message is one line."""

@@ -3,56 +3,62 @@
 from __future__ import annotations
 
 from gcm_learn.rendering.bodies import (
+    EYE,
     LINE,
     SAMPLES,
+    Spectator,
+    TargetWay,
     approach_corners,
     body_faces,
     drawn_scale,
     path_faces,
     solid_faces,
     target_paths,
+    target_way,
     tube_faces,
+    view_of,
 )
 from gcm_learn.rendering.camera import Camera, Faces, Window, camera_from, normals, render, shaded
-from gcm_learn.rendering.colours import (
-    APPROACH,
-    ARM,
-    FLOOR,
-    INK,
-    OBSTACLE,
-    PATH,
-    SHADES,
-    TARGET,
-    TIME,
-    body_colour,
-    rgb,
-    time_colours,
-)
-from gcm_learn.rendering.limbs import (
+from gcm_learn.rendering.solids import (
     HAND,
     Limb,
     arm_faces,
     balls_of,
     bone_pose,
     bone_shape,
+    faces,
+    has_edges,
     limb_along,
     limb_faces,
+    placed,
+    tube,
 )
-from gcm_learn.rendering.poses import JointSituation, body_poses, ground_of
-from gcm_learn.rendering.solids import faces, has_edges, placed, tube
 from gcm_learn.rendering.staging import (
+    APPROACH,
+    ARM,
     AWAY,
+    FLOOR,
+    INK,
+    OBSTACLE,
+    PATH,
     PIXELS,
+    SHADES,
+    TARGET,
+    TIME,
+    JointSituation,
+    body_colour,
+    body_poses,
     box_of,
     centred,
     floor_of,
     from_above,
+    ground_of,
+    rgb,
     staged,
+    time_colours,
     turned_view,
     window_of,
 )
-from gcm_learn.rendering.target_way import TargetWay, target_way
-from gcm_learn.rendering.views import EYE, Spectator, view_of
 
 __all__ = [
     "APPROACH",

@@ -1,17 +1,28 @@
-"""Bodies as faces, with arrows of approaches; paths as tubes, coloured by time."""
+"""Views of a situation: bodies as faces, ways of targets, paths coloured by time."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
 from gcm_learn.motion import Movement
-from gcm_learn.rendering.camera import Faces
-from gcm_learn.rendering.colours import APPROACH, body_colour, rgb, time_colours
-from gcm_learn.rendering.poses import JointSituation, body_poses, ground_of
-from gcm_learn.rendering.solids import arrow, frame_along, placed, tube
-from gcm_learn.rendering.staging import LONGEST
+from gcm_learn.rendering.camera import Camera, Faces, Window, camera_from, render
+from gcm_learn.rendering.solids import arm_faces, arrow, frame_along, limb_along, placed, tube
+from gcm_learn.rendering.staging import (
+    APPROACH,
+    LONGEST,
+    JointSituation,
+    body_colour,
+    body_poses,
+    floor_of,
+    ground_of,
+    rgb,
+    staged,
+    time_colours,
+)
 from gcm_learn.situation import Body
 
 SMALLEST = 0.018  # of the reach: smaller targets are drawn so large
@@ -97,3 +108,149 @@ def tube_faces(
     shown = np.arange(len(shades)) % 3 != 2 if dashed else np.ones(len(shades), dtype=bool)
     parts = tube(path, radius).reshape(len(shades), 6, 4, 3)[shown]
     yield Faces(parts.reshape(-1, 4, 3), np.repeat(shades[shown], 6, axis=0)[:, None])
+
+
+FARTHEST = 2.0  # [reaches] from the base: ways from farther away are not whole in a still picture
+CUBE = np.array([(x, y, z) for x in (-1, 1) for y, z in ((-1, -1), (1, -1), (1, 1), (-1, 1))])
+
+
+class TargetWay(NamedTuple):
+    """Cubes about a target on its way until the hand is nearest to it."""
+
+    times: np.ndarray
+    """(k,) float: instants from 0 on [s]."""
+    corners: np.ndarray
+    """(k, 2, 4, 3) float: two opposite faces of a cube at each instant, in the world."""
+    near: int
+    """First instant from which on the target is no farther than `FARTHEST` from the base."""
+
+    def faces(self, first: int = 0) -> Faces:
+        """Return the cubes from an instant on, to be kept in a picture."""
+        return Faces(self.corners[first:].reshape(-1, 4, 3), np.zeros(3), kept=True)
+
+    def reach_seen(self, view: Camera, t: float) -> float:
+        """Return how far from the middle of the picture the way from time t [s] on is."""
+        first = min(int(np.searchsorted(self.times, t, side="right")) - 1, self.near)
+        return float(np.abs(view.see(self.corners[first:])[..., :2]).max())
+
+
+def target_way(
+    situation: JointSituation, times: np.ndarray, places: np.ndarray, hands: np.ndarray
+) -> TargetWay:
+    """Return the way of the target to which the hand comes nearest.
+
+    Parameters
+    ----------
+    situation : Situation
+        With an arm that moves in its joints.
+    times : (k,) ndarray
+        Instants of the film [s].
+    places : (m, k, 3) ndarray
+        Centres of the targets, in the world.
+    hands : (k, 3) ndarray
+        Hand at these instants.
+    """
+    apart = np.linalg.norm(places - hands, axis=2)
+    which, last = np.unravel_index(apart.argmin(), apart.shape)
+    target = situation.targets[which]
+    half = drawn_scale(situation, target) * target.shape.bounding_radius
+    middles = places[which, : last + 1]
+    corners = (middles[:, None] + half * CUBE).reshape(-1, 2, 4, 3)
+    away = np.linalg.norm(middles - np.asarray(situation.arm.base.origin), axis=1)
+    far = np.flatnonzero(away > FARTHEST * situation.arm.reach)
+    near = min(int(far[-1]) + 1, len(middles) - 1) if far.size else 0
+    return TargetWay(times[: last + 1], corners, near)
+
+
+SIGHT = 28  # pixels a side of pictures that are tried for what they hide
+EYE = 7.0  # [reaches] distance of the eye
+ELEVATION = 24.0  # [degrees] of the eye
+TRIED = 12  # instants of a movement that are sampled
+
+
+def view_of(
+    situation: JointSituation,
+    trajectory: Movement | None = None,
+    *,
+    elevation: float = ELEVATION,
+    turn: float = 0.0,
+) -> Camera:
+    """Return a camera that sees arm and hand's path from the side, and little in front of them.
+
+    Parameters
+    ----------
+    situation : Situation
+        With an arm that moves in its joints.
+    trajectory : Movement, optional
+
+    Other Parameters
+    ----------------
+    elevation : float
+        Of the eye [degrees].
+    turn : float
+        The camera is turned about the vertical by so much [degrees].
+    """
+    arm = situation.arm
+    end = situation.horizon if trajectory is None else trajectory.duration
+    times = np.linspace(0.0, end, TRIED)
+    rest = np.tile(arm.joints, (TRIED, 1))
+    joints = rest if trajectory is None else trajectory.joints_at(times)
+    limb, targets = limb_along(arm, joints), target_paths(situation, times[-3:])
+    tips = limb.ends[:, :, 1].reshape(-1, 3)
+    seen = np.concatenate([limb.base[None], tips, limb.hand, targets.reshape(-1, 3)])
+    centre = 0.5 * (limb.base + limb.hand.mean(axis=0))
+    wanted = [*arm_faces(arm, joints[-1]), *body_faces(situation, end, roles=("target",))]
+    wanted += [] if trajectory is None else path_faces(situation, trajectory)
+    others = list(body_faces(situation, end, roles=("obstacle",)))
+
+    def merit(azimuth: float) -> float:
+        view = camera_from(azimuth, elevation, centre, EYE * arm.reach)
+        flat = view.turned(seen - centre)[:, :2]
+        spread = np.sqrt(np.linalg.det(np.cov(flat.T)) + 1e-12) / arm.reach**2
+        return float(spread * _share_in_sight(view, arm.reach, wanted, others) ** 2)
+
+    best = max(np.arange(0.0, 360.0, 20.0), key=merit)
+    return camera_from(best + turn, elevation, centre, EYE * arm.reach)
+
+
+def _share_in_sight(
+    view: Camera, reach: float, wanted: Sequence[Faces], others: Sequence[Faces]
+) -> float:
+    """Return the share of what is wanted in a picture that others leave in sight."""
+    red, blue = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])
+    marked = [thing._replace(colours=red, lit=False) for thing in wanted]
+    hiding = [thing._replace(colours=blue, lit=False) for thing in others]
+    window = Window(np.zeros(2), reach)
+    images = [render(view, window, things, SIGHT) for things in (marked, marked + hiding)]
+    whole, rest = ((image[..., 0] > 1.2 * image[..., 2]).sum() for image in images)
+    return float(rest / max(whole, 1))
+
+
+ROOM = 1.3  # half a picture [reaches]: what is nearer to the eye looks larger
+
+
+class Spectator:
+    """A camera that stays at a place from which little is in front of the arm.
+
+    Parameters
+    ----------
+    situation : Situation
+        With an arm that moves in its joints.
+    """
+
+    def __init__(self, situation: JointSituation) -> None:
+        arm = situation.arm
+        self.situation = situation
+        self.view = replace(view_of(situation), centre=np.asarray(arm.base.origin))
+        self.window = Window(np.zeros(2), ROOM * arm.reach)
+        things = [*body_faces(situation, 0.0), *arm_faces(arm, arm.joints)]
+        self.floor = floor_of(situation, things)
+
+    def picture(self, way: Movement, pixels: int) -> np.ndarray:
+        """Return a picture (pixels, pixels, 3) uint8 of the end of a movement, with its paths."""
+        situation, end = self.situation, way.duration
+        things = [*body_faces(situation, end), *arm_faces(situation.arm, way.joints[-1])]
+        if end > 0.0:
+            things += path_faces(situation, way)
+        image = staged(self.view, self.window, self.floor, things, pixels)
+        return np.rint(255.0 * image[::-1]).astype(np.uint8)

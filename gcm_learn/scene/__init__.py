@@ -17,13 +17,10 @@ from gcm_learn.scene.bodies import (
     pose_at,
     poses_at,
 )
-from gcm_learn.scene.later import bodies_later, later
-from gcm_learn.scene.laws import integrate_swing
+from gcm_learn.scene.laws import bodies_later, integrate_swing, later
 from gcm_learn.scene.outlines import outline
-from gcm_learn.scene.packing import pack, pack_bodies, pose
-from gcm_learn.scene.scene import AimedLimits, JointLimits, Limits, Scene
-from gcm_learn.scene.shapes.choice import gap
-from gcm_learn.scene.shapes.entries import entry_of
+from gcm_learn.scene.packing import AimedLimits, JointLimits, Limits, Scene, pack, pack_bodies, pose
+from gcm_learn.scene.shapes.choice import entry_of, gap
 
 __all__ = [
     "ACCELERATION",

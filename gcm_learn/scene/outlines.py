@@ -8,8 +8,7 @@ import numpy as np
 
 from gcm_learn.scene.bodies import COLUMNS, KIND, SIZE, no_bodies
 from gcm_learn.scene.packing import pose
-from gcm_learn.scene.shapes.choice import cut
-from gcm_learn.scene.shapes.entries import entry_of
+from gcm_learn.scene.shapes.choice import cut, entry_of
 from gcm_learn.scene.shapes.region import new_cut
 from gcm_learn.situation import PLANAR, PlanarShape, Situation, SolidShape
 

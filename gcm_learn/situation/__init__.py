@@ -2,7 +2,17 @@
 
 from __future__ import annotations
 
-from gcm_learn.situation.arm_body import ArmBody, BoneMass, Motor
+from gcm_learn.situation.arm_body import (
+    AnyArmBody,
+    ArmBody,
+    BoneMass,
+    ChainBody,
+    FrameMass,
+    Motor,
+    arm_body_from_json,
+    arm_body_to_json,
+    read_arm_body,
+)
 from gcm_learn.situation.arm_files import (
     ARM_FORMATS,
     arm_from_json,
@@ -12,23 +22,15 @@ from gcm_learn.situation.arm_files import (
     shipped_arm,
 )
 from gcm_learn.situation.body import Approach, Body
-from gcm_learn.situation.body_files import (
-    AnyArmBody,
-    arm_body_from_json,
-    arm_body_to_json,
-    read_arm_body,
-)
 from gcm_learn.situation.canonical import Frame, canonical, frame_of
-from gcm_learn.situation.chain_body import ChainBody, FrameMass
-from gcm_learn.situation.formats import CATCHES, FORMATS, Format
 from gcm_learn.situation.json_format import (
     read_situations,
     situation_from_json,
     situation_to_json,
     write_situations,
 )
-from gcm_learn.situation.json_text import JsonTextError, RepeatedField, line_of, parse
-from gcm_learn.situation.laws import Motion, SolidMotion, carried
+from gcm_learn.situation.json_records import JsonTextError, RepeatedField, line_of, parse
+from gcm_learn.situation.laws import CATCHES, FORMATS, Format, Motion, SolidMotion, carried
 from gcm_learn.situation.motion import Pendulum, PlanarQuadratic, SolidQuadratic
 from gcm_learn.situation.schema import schemas
 from gcm_learn.situation.shapes import (

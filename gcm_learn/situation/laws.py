@@ -1,15 +1,16 @@
-"""Motion laws of bodies: one entry for each law, with what situations need of it."""
+"""Motion laws of bodies: one entry for each law, with its place in formats."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gcm_learn.arms import quaternion_of, rotation_of
+from gcm_learn.arms import Kind, kinds, quaternion_of, rotation_of
 from gcm_learn.situation.motion import Pendulum, PlanarQuadratic, SolidQuadratic
 from gcm_learn.situation.timed_motion import Piece, Piecewise, Sampled
 
@@ -138,4 +139,66 @@ LAWS: dict[type, Law] = {
     Pendulum: Law(_pendulum_carried, _pendulum_sides),
     Piecewise: Law(_piecewise_carried, _sides_of_pieces),
     Sampled: Law(_sampled_carried, _sides_of_pieces),
+}
+
+
+@dataclass(frozen=True)
+class Format:
+    """One version of the exchange format.
+
+    Parameters
+    ----------
+    name : str
+    motions : tuple of type
+        Motion laws that bodies may follow.
+    catches : tuple of str
+        Known values of `catch`; the first is the default, and one alone is never written.
+    approach : bool
+        Whether targets may have an approach.
+    planes : bool
+        Whether a planar arm may stand in a plane among solids.
+    normalises : bool
+        Whether unit vectors may be off by up to `checks.UNIT_LENGTH`, and are normalised.
+    """
+
+    name: str
+    motions: tuple[type[Motion], ...]
+    catches: tuple[str, ...] = ("any",)
+    approach: bool = False
+    planes: bool = False
+    normalises: bool = False
+
+    @property
+    def kinds(self) -> tuple[Kind, ...]:
+        """Kinds of arms that situations of this format have."""
+        return tuple(kind for kind in kinds() if self.name in kind.formats)
+
+    @cached_property
+    def motion_kinds(self) -> tuple[str, ...]:
+        """Values of `kind` in motions."""
+        return tuple(dict.fromkeys(motion.kind for motion in self.motions))
+
+    @cached_property
+    def absent(self) -> frozenset[str]:
+        """Fields of situations and bodies that this format does not know."""
+        given = {"catch": len(self.catches) > 1, "approach": self.approach}
+        return frozenset(name for name, known in given.items() if not known)
+
+
+_QUADRATIC = (PlanarQuadratic, SolidQuadratic, Pendulum)
+CATCHES = ("any", "all", "most")
+
+FORMATS = {
+    version.name: version
+    for version in (
+        Format("gcm-learn/situation@1", _QUADRATIC, planes=True),
+        Format("gcm-learn/situation@2", _QUADRATIC),
+        Format(
+            "gcm-learn/situation@3",
+            (*_QUADRATIC, Piecewise, Sampled),
+            CATCHES,
+            approach=True,
+            normalises=True,
+        ),
+    )
 }

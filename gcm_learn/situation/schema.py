@@ -17,8 +17,8 @@ from gcm_learn import arms
 from gcm_learn.checks import LARGEST
 from gcm_learn.situation.arm_files import ARM_FORMATS, NEW
 from gcm_learn.situation.body import ROLES, Approach, Body
-from gcm_learn.situation.formats import FORMATS, Format
 from gcm_learn.situation.json_records import layout_of
+from gcm_learn.situation.laws import FORMATS, Format
 from gcm_learn.situation.motion import Pendulum, PlanarQuadratic, SolidQuadratic
 from gcm_learn.situation.shapes import (
     PLANAR as FLAT,

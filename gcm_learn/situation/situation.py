@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Generic
 from gcm_learn import arms, checks
 from gcm_learn.errors import ArmKindError, SituationError
 from gcm_learn.situation.body import Body
-from gcm_learn.situation.formats import CATCHES, FORMATS
+from gcm_learn.situation.laws import CATCHES, FORMATS
 from gcm_learn.situation.motion import MOST_PERIODS, Pendulum
 
 SLACK = 1e-6

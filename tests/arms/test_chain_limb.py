@@ -27,7 +27,7 @@ from gcm_learn.arms.limbs import (
     swept,
 )
 from gcm_learn.motion.joint_verification import hand_too_fast
-from gcm_learn.situation.arm_json import arm_members
+from gcm_learn.situation.arm_files import arm_members
 from tests import strategies
 from tests.geometry import arm_of, hand_of, links_of
 

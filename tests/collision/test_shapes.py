@@ -19,7 +19,7 @@ from gcm_learn.rendering.solids import MESHES
 from gcm_learn.scene import Bodies, no_bodies
 from gcm_learn.scene import bodies as k
 from gcm_learn.scene.shapes import ball, box, capsule, choice, cylinder, polygon
-from gcm_learn.scene.shapes.entries import ENTRIES
+from gcm_learn.scene.shapes.choice import ENTRIES
 from gcm_learn.scene.shapes.region import EMPTY_DISTANCE
 from gcm_learn.situation import PLANAR, SOLID, Box, Capsule, Cylinder, Disc, Polygon, Sphere
 from gcm_learn.situation.schema import LISTS, NUMBERS

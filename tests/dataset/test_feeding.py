@@ -39,7 +39,7 @@ def test_the_picture_is_the_map(records, tmp_path):
 
 def test_the_cache_is_built_once_and_for_all_parts(records, tmp_path, monkeypatch):
     first = records[:5].cache(tmp_path)
-    monkeypatch.setattr("gcm_learn.dataset.cells.build_cache", None)
+    monkeypatch.setattr("gcm_learn.dataset.reader.build_cache", None)
     assert records[20:].cache(tmp_path).folder == first.folder
     assert [p.name for p in tmp_path.iterdir()] == [first.folder.name]
 

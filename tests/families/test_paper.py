@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from gcm_learn.families import paper
-from gcm_learn.families.examples import gate_scene
+from gcm_learn.families.paper import gate_scene
 from gcm_learn.planners import solve
 from gcm_learn.scene.outlines import cut_outline
 from gcm_learn.scene.packing import pose

@@ -12,8 +12,8 @@ from gcm_learn.families import draw, gate_scene
 from gcm_learn.maps import build_map
 from gcm_learn.planners import get_planner, plan_with, solve, stratum
 from gcm_learn.play import KINDS, Newest, example, respond
-from gcm_learn.play.newest import DROPPED
-from gcm_learn.play.pictures import LEVELS, NEVER, OBSTACLE, extended_pictures, map_picture
+from gcm_learn.play.answers import LEVELS, NEVER, OBSTACLE, extended_pictures, map_picture
+from gcm_learn.play.server import DROPPED
 from gcm_learn.situation import situation_from_json, situation_to_json
 from gcm_learn.wave import MarchingParams
 from tests import worlds

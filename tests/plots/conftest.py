@@ -7,8 +7,7 @@ from pathlib import Path
 import pytest
 from matplotlib.figure import Figure
 
-from gcm_learn.families.examples import gate_scene
-from gcm_learn.families.paper import PAPER_SCENES
+from gcm_learn.families.paper import PAPER_SCENES, gate_scene
 from gcm_learn.planners import solve
 from gcm_learn.planners.plan import Plan
 from gcm_learn.plots.figures.sheets import mapped

@@ -8,13 +8,12 @@ import pytest
 from gcm_learn import families, planners
 from gcm_learn.errors import PolicyError
 from gcm_learn.execution import CAUGHT, Pool, Settings
-from gcm_learn.execution.arena.kernels.hands.fan import RAYS
+from gcm_learn.execution.arena.kernels.hands.nearness import RAYS
 from gcm_learn.motion.verification import verify
 from gcm_learn.planners.completion import Problem
-from gcm_learn.policies.actor import Actor
+from gcm_learn.policies.actor import Actor, ActorPlanner
 from gcm_learn.policies.cloning import act_out
 from gcm_learn.policies.directions import MEETING, REST, aimed_of, choices_of, chosen, turned
-from gcm_learn.policies.planner import ActorPlanner
 from gcm_learn.situation.canonical import canonical
 from tests.policies.conftest import constant_actor, leaning_in_space
 

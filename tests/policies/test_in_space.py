@@ -217,7 +217,7 @@ def test_a_learner_goes_on_as_it_was(tmp_path, algo):
 
 def test_policies_of_torques_differ_from_the_torques_that_go_straight():
     pytest.importorskip("mujoco")
-    from gcm_learn.policies.vec_env import ArenaVecEnv
+    from gcm_learn.policies.reinforcement import ArenaVecEnv
 
     settings = execution.PhysicalSettings(control="torque")
     pool = execution.pool_of("crossing-swarm-space", 3, 0, settings)

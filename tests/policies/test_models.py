@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 from gcm_learn.errors import PolicyError
-from gcm_learn.policies.model_file import read_model
-from gcm_learn.policies.outside import own_policy
+from gcm_learn.policies.outside import own_policy, read_model
 
 pytest.importorskip("stable_baselines3")
 pytest.importorskip("sb3_contrib")

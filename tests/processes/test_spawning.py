@@ -15,7 +15,7 @@ from gcm_learn import compiled, processes
 from gcm_learn.errors import PlatformError
 from gcm_learn.planners import get_planner
 from gcm_learn.planners.baselines import isolation
-from gcm_learn.processes import spawning
+from gcm_learn.processes import local
 from tests.processes.work import compile_something, say
 
 NOT_EVERYWHERE = [
@@ -28,7 +28,7 @@ def elsewhere(monkeypatch):
     """A system that lacks what macOS or Windows lack."""
     for module, name in NOT_EVERYWHERE:
         monkeypatch.delattr(module, name)
-    monkeypatch.setattr(spawning.resource_tracker, "_HAVE_SIGMASK", False)
+    monkeypatch.setattr(local.resource_tracker, "_HAVE_SIGMASK", False)
 
 
 def test_cores_are_those_that_this_process_may_use(monkeypatch):

@@ -7,7 +7,7 @@ import pytest
 
 from gcm_learn import seeding
 from gcm_learn.arms import Arm
-from gcm_learn.families.examples import gate_scene
+from gcm_learn.families.paper import gate_scene
 from gcm_learn.families.random_planar import random_planar
 from gcm_learn.families.random_solid import random_solid
 from gcm_learn.motion.movement import Movement

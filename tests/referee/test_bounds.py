@@ -7,8 +7,7 @@ import pytest
 from scipy.optimize import minimize
 
 from gcm_learn.referee import examine, judge
-from gcm_learn.referee.planar_arm import HandMotion, read_planar
-from gcm_learn.referee.planar_rates import joint_rates
+from gcm_learn.referee.planar_arm import HandMotion, joint_rates, read_planar
 from gcm_learn.situation import situation_from_json
 from tests import geometry
 from tests.planar_geometry import elbow_of, point_distances

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from gcm_learn import families
 from gcm_learn.errors import ArmKindError, SituationError
-from gcm_learn.scene.later import later
+from gcm_learn.scene.laws import later
 from gcm_learn.scene.packing import pose
 from gcm_learn.situation import situation_from_json
 from tests import strategies

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from gcm_learn.errors import SituationError
 from gcm_learn.situation import Polygon
-from gcm_learn.situation.polygons import orientation
+from gcm_learn.situation.shapes import orientation
 from tests.refusals import refusal
 
 SQUARE = ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0))

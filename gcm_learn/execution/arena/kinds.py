@@ -10,15 +10,15 @@ import numpy as np
 
 from gcm_learn.arms import CHAIN, PLANAR, SPATIAL, ByKind, Chain, ChainModel, limb_of_chain
 from gcm_learn.errors import ArenaError
-from gcm_learn.execution.arena.kernels.hands import fan as hand_fan
 from gcm_learn.execution.arena.kernels.hands import observation as hand_observation
-from gcm_learn.execution.arena.kernels.hands import playing as hand_playing
 from gcm_learn.execution.arena.kernels.hands import scene as hand_scene
+from gcm_learn.execution.arena.kernels.hands.nearness import RAY, RAYS
+from gcm_learn.execution.arena.kernels.hands.stepping import observe_all, play
 from gcm_learn.execution.arena.kernels.joints import chains
 from gcm_learn.execution.arena.kernels.joints import fan as joint_fan
 from gcm_learn.execution.arena.kernels.joints import observation as joint_observation
-from gcm_learn.execution.arena.kernels.joints import playing as joint_playing
 from gcm_learn.execution.arena.kernels.joints import scene as joint_scene
+from gcm_learn.execution.arena.kernels.joints.observation import CHAIN_KERNELS, SPATIAL_KERNELS
 from gcm_learn.execution.arena.kernels.joints.spatial import START
 from gcm_learn.execution.arena.kernels.world import State, World, fields_in_rows
 from gcm_learn.motion import HOLE_MARGIN, fastest_hand
@@ -93,7 +93,7 @@ def _joints(count: int, commands: int) -> State:
 
 _PLANAR_LAYOUT = Layout(
     2, hand_observation.ARM, hand_observation.TARGET, hand_observation.OBSTACLE,
-    hand_fan.RAYS * hand_fan.RAY, hand_observation.MEETING,
+    RAYS * RAY, hand_observation.MEETING,
 )  # fmt: skip
 _SPATIAL_LAYOUT = Layout(
     joint_fan.COMMAND, joint_observation.ARM, joint_observation.TARGET, joint_observation.OBSTACLE,
@@ -150,7 +150,7 @@ _SPATIAL = Kernels(
     placed=lambda situation: (situation, AsDrawn()),
     bounded=lambda scene: scene,
     pace=fastest_hand,
-    **joint_playing.SPATIAL_KERNELS._asdict(),
+    **SPATIAL_KERNELS._asdict(),
 )
 KERNELS = ByKind(
     {
@@ -164,8 +164,8 @@ KERNELS = ByKind(
             placed=canonical,
             bounded=_outside_hole,
             pace=lambda scene: scene.limits.speed,
-            observe=hand_playing.observe_all,
-            play=hand_playing.play,
+            observe=observe_all,
+            play=play,
         ),
         SPATIAL: _SPATIAL,
         CHAIN: replace(
@@ -175,7 +175,7 @@ KERNELS = ByKind(
             starts=chains.starts_of,
             check=_alike,
             pace=_pace_of_chain,
-            **joint_playing.CHAIN_KERNELS._asdict(),
+            **CHAIN_KERNELS._asdict(),
         ),
     },
     who="the arena",

@@ -10,7 +10,7 @@ import numpy as np
 
 from gcm_learn.errors import ArenaError
 from gcm_learn.execution.arena.batch import Batch
-from gcm_learn.execution.arena.kernels.joints.playing import settle
+from gcm_learn.execution.arena.kernels.joints.observation import settle
 from gcm_learn.execution.arena.kernels.world import EXTREME, LATE, MOST, RUNNING
 from gcm_learn.execution.arena.pool import Pool, of_one_kind
 from gcm_learn.execution.arena.settings import ChainSettings, SpatialSettings

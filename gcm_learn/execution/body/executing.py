@@ -1,7 +1,8 @@
-"""Plans carried out by an arm with mass, and what came of it."""
+"""Plans carried out by an arm with mass, their outcomes, and the width of their tube."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -10,17 +11,16 @@ import numpy as np
 
 from gcm_learn.errors import PhysicsError
 from gcm_learn.execution.arena.kernels.world import CAUGHT, COLLIDED
-from gcm_learn.execution.arena.wanted import Catch
+from gcm_learn.execution.arena.pool import Catch
 from gcm_learn.execution.body.bodies import body_for
-from gcm_learn.execution.body.control import Controller
+from gcm_learn.execution.body.kinds import MECHANICS
 from gcm_learn.execution.body.model import STEP
-from gcm_learn.execution.body.motors import FAINT, with_motor_limits
+from gcm_learn.execution.body.motors import FAINT, Controller, with_motor_limits
 from gcm_learn.execution.body.plant import Contact, PhysicalPlant
-from gcm_learn.execution.loop.closed_loop import Loop, Mind, run_closed_loop
-from gcm_learn.execution.loop.exact import ExactPlant
+from gcm_learn.execution.loop.closed_loop import ExactPlant, Loop, Mind, run_closed_loop
 from gcm_learn.execution.loop.joint_leading import begun
 from gcm_learn.motion import Movement, braked
-from gcm_learn.planners import Plan
+from gcm_learn.planners import Plan, Tube
 from gcm_learn.situation import AnyArmBody, Situation
 
 FORMAT = "gcm-learn/execution@1"
@@ -304,3 +304,55 @@ def execution_to_json(done: Execution) -> dict[str, Any]:
 
 def _contact(contact: Contact | None) -> dict[str, Any] | None:
     return None if contact is None else {"name": contact.name, "time": contact.time}
+
+
+QUANTILE = 0.99
+"""Share of moments that are within the tube, at every speed."""
+BINS = 8
+"""Of speeds, each with as many moments."""
+
+
+def measured_tube(done: Sequence[Execution], quantile: float = QUANTILE) -> Tube:
+    """The tube about plans in which arms stayed until their catches; in metres.
+
+    The width at rest is that of the slowest eighth of all moments; what each m/s adds is the most
+    that any faster eighth asks for.
+
+    Parameters
+    ----------
+    done : sequence of Execution
+        Of one body and one controller.
+    quantile : float
+        Share of the moments of each eighth that are inside.
+
+    Raises
+    ------
+    PhysicsError
+        If nothing was executed.
+    """
+    rows = [_moments(one) for one in done if one.plant is not None]
+    if not rows:
+        raise PhysicsError("tube: nothing was executed that could be measured")
+    speed, off = np.concatenate(rows).T
+    order = np.argsort(speed, kind="stable")
+    parts = [part for part in np.array_split(order, BINS) if part.size]
+    widths = np.array([np.quantile(off[part], quantile) for part in parts])
+    middles = np.array([speed[part].mean() for part in parts])
+    rise = np.maximum(widths[1:] - widths[0], 0.0) / np.maximum(middles[1:], 1e-12)
+    return Tube(float(widths[0]), float(rise.max(initial=0.0)))
+
+
+def _moments(done: Execution) -> np.ndarray:
+    """Speed of the planned hand and how far the limb is from its plan at every step (n, 2) [m]."""
+    plant, plan = done.plant, done.plan
+    assert plant is not None and plan is not None
+    steps = np.arange(round(done.movement.duration / STEP) + 1)
+    time = steps * STEP
+    points = MECHANICS.of(plan.arm).points
+    there, wanted = (
+        points(plan.arm, plant.joints_log[steps]),
+        points(plan.arm, plan.joints_at(time)),
+    )
+    off = np.linalg.norm(there - wanted, axis=2).max(axis=1)
+    speed = np.linalg.norm(np.gradient(wanted[:, -1], STEP, axis=0), axis=1)
+    return np.stack([speed, off], axis=1) * plant.body.metres

@@ -10,12 +10,11 @@ import numpy as np
 from gcm_learn.compiled import njit
 from gcm_learn.errors import PhysicsError
 from gcm_learn.execution.arena.kernels.world import CAUGHT, COLLIDED, GONE, RUNNING
-from gcm_learn.execution.arena.wanted import Catch, wanted_of
-from gcm_learn.execution.body.control import Controller, following
-from gcm_learn.execution.body.judging import first_met_in, grasped
+from gcm_learn.execution.arena.pool import Catch, wanted_of
 from gcm_learn.execution.body.kinds import MECHANICS, misfit, strongest
-from gcm_learn.execution.body.laws import Laws, laws
+from gcm_learn.execution.body.laws import Laws, first_met_in, grasped, laws
 from gcm_learn.execution.body.model import CATCHER, STEP, codes_of, coupling_of, model_of, mujoco
+from gcm_learn.execution.body.motors import Controller, following
 from gcm_learn.motion import Movement
 from gcm_learn.scene import PART, pack
 from gcm_learn.situation import AnyArmBody, Situation

@@ -1,4 +1,4 @@
-"""Spatial arms and chains that are led along trajectories.
+"""Arms in joints that are led along trajectories, and their events at every instant.
 
 Trajectories are on the world's clock here: the first sample is the beginning.
 """
@@ -11,7 +11,90 @@ from typing import Any, TypeVar
 import numpy as np
 
 from gcm_learn.arms import Chain, SpatialArm
-from gcm_learn.motion import Movement, braked
+from gcm_learn.arms.curves import hermite, line, part
+from gcm_learn.collision.postures import desk_of, least_on
+from gcm_learn.compiled import njit
+from gcm_learn.execution.arena.kernels.world import CAUGHT, COLLIDED, RUNNING
+from gcm_learn.motion import Movement, braked, rules_of
+from gcm_learn.motion.joint_interception import first_meeting
+from gcm_learn.scene import Scene
+
+_NARROWEST = 1e-6  # how exactly the moment of a collision is found [shares of a move]
+_ANY = 1e300  # resolution of distances: collision is exact whatever it is
+
+
+class JointEvents:
+    """Catches and collisions in a scene.
+
+    Parameters
+    ----------
+    scene : Scene
+    """
+
+    def __init__(self, scene: Scene) -> None:
+        self._scene, self._shortest = scene, rules_of(scene).instant
+        self._desk = desk_of(scene)
+
+    def first(self, trajectory: Movement, since: float, until: float) -> tuple[int, float, int]:
+        """Return the first event between two times [s], or RUNNING, its time [s], its target."""
+        inner = trajectory.time[(trajectory.time > since) & (trajectory.time < until)]
+        for end in (*inner.tolist(), until):
+            curve = _move(trajectory, since, end)
+            code, when, body = _happens(self._scene, curve, since, end, self._shortest, self._desk)
+            if code != RUNNING:
+                return int(code), float(when), int(body)
+            since = end
+        return RUNNING, until, -1
+
+
+def _move(trajectory: Movement, since: float, until: float) -> np.ndarray:
+    """The move (dof, 4) between two times; between them, or at one of them, there is no sample."""
+    time, joints, rates = trajectory.time, trajectory.joints, trajectory.rates
+    dof = joints.shape[1]
+    move, whole = np.empty((dof, 4)), np.empty((dof, 4))
+    if since >= time[-1] or until <= time[0]:
+        rest = joints[-1 if since >= time[-1] else 0]
+        line(rest, rest, move)
+        return move
+    k = int(np.searchsorted(time, since, side="right")) - 1
+    span = time[k + 1] - time[k]
+    if rates is None:
+        line(joints[k], joints[k + 1], whole)
+    else:
+        hermite(joints[k], rates[k], joints[k + 1], rates[k + 1], span, whole)
+    part(whole, (since - time[k]) / span, (until - time[k]) / span, move)
+    return move
+
+
+@njit
+def _happens(scene, curve, since, until, shortest, desk):
+    """Return the first event on a move, or RUNNING, its time [s], and the target of a catch."""
+    met, body = first_meeting(scene, curve, since, until, scene.limits.grasp, shortest, desk.poses)
+    end = met if met >= 0.0 else until
+    last = (end - since) / (until - since)
+    if _touches(scene, curve, 0.0, last, since, until, desk):
+        free = 0.0
+        while last - free > _NARROWEST:
+            middle = 0.5 * (free + last)
+            if _touches(scene, curve, free, middle, since, until, desk):
+                last = middle
+            else:
+                free = middle
+        return COLLIDED, since + last * (until - since), -1
+    if met >= 0.0:
+        return CAUGHT, met, body
+    return RUNNING, until, -1
+
+
+@njit(_nrt=False)
+def _touches(scene, curve, first, last, since, until, desk):
+    """Return whether the limb collides between two shares of a move."""
+    part(curve, first, last, desk.curve)
+    span = until - since
+    touch = scene.limb.thickness
+    best, _ = least_on(scene, since + first * span, since + last * span, touch, _ANY, _ANY, desk)
+    return best <= touch
+
 
 Led = TypeVar("Led", SpatialArm, Chain)
 

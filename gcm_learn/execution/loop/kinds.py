@@ -9,8 +9,6 @@ from typing import Any, Protocol
 
 from gcm_learn.arms import CHAIN, PLANAR, SPATIAL, ByKind
 from gcm_learn.execution.loop import hand_leading, joint_leading
-from gcm_learn.execution.loop.hand_leading import HandEvents
-from gcm_learn.execution.loop.joint_events import JointEvents
 from gcm_learn.scene import Scene
 
 
@@ -42,13 +40,13 @@ class Lead:
 
 _SPATIAL = Lead(
     lambda arm: math.hypot(*arm.forearm), joint_leading.begun, joint_leading.at_first,
-    joint_leading.led, joint_leading.gap, joint_leading.rest_of, JointEvents,
+    joint_leading.led, joint_leading.gap, joint_leading.rest_of, joint_leading.JointEvents,
 )  # fmt: skip
 LEADS = ByKind(
     {
         PLANAR: Lead(
             lambda arm: 1.0, hand_leading.begun, hand_leading.at_first, hand_leading.led,
-            hand_leading.gap, hand_leading.rest_of, HandEvents,
+            hand_leading.gap, hand_leading.rest_of, hand_leading.HandEvents,
         ),
         SPATIAL: _SPATIAL,
         CHAIN: replace(_SPATIAL, forearm=lambda arm: 0.5 * arm.reach),

@@ -9,11 +9,25 @@ from typing import NamedTuple
 import numpy as np
 
 from gcm_learn.arms import Chain, Link, hands_along, links_along
-from gcm_learn.families.chain.clearances import clearances
+from gcm_learn.collision.postures import desk_of, gap_at
+from gcm_learn.compiled import njit
 from gcm_learn.families.ranges import Range, pick
 from gcm_learn.families.space.solids import solid, triple
 from gcm_learn.scene import pack
 from gcm_learn.situation import Body, Box, Situation, Sphere
+
+
+@njit
+def clearances(scene, joints, times):
+    """Return clearances (k,) of the limb at postures (k, n) and times (k,) [s].
+
+    They are signed distances to obstacles, or of the limb to itself where that is less.
+    """
+    desk, found = desk_of(scene), np.empty(times.size)
+    for k in range(times.size):
+        found[k] = gap_at(scene, joints[k], times[k], desk)
+    return found
+
 
 POSTURES = 200  # that a draw chooses its start and its end from
 ENOUGH = 0.5  # share of postures above a floor; with fewer there is none

@@ -6,8 +6,7 @@ import numpy as np
 
 from gcm_learn.compiled import njit
 from gcm_learn.scene.bodies import DISC, SIZE, SPHERE
-from gcm_learn.scene.shapes.entry import Entry
-from gcm_learn.scene.shapes.region import EMPTY_DISTANCE
+from gcm_learn.scene.shapes.region import EMPTY_DISTANCE, Entry
 
 DISC_ENTRY = Entry(DISC, lambda disc: (disc.radius, 0.0, 0.0), is_ball=True, is_round=True)
 SPHERE_ENTRY = Entry(SPHERE, lambda sphere: (sphere.radius, 0.0, 0.0), is_ball=True, is_round=True)

@@ -6,8 +6,7 @@ import numpy as np
 
 from gcm_learn.compiled import njit
 from gcm_learn.scene.bodies import BOX, SIZE
-from gcm_learn.scene.shapes.entry import Entry
-from gcm_learn.scene.shapes.region import placed
+from gcm_learn.scene.shapes.region import Entry, placed
 
 ENTRY = Entry(BOX, lambda shape: shape.half_extents)
 

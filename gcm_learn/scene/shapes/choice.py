@@ -1,6 +1,6 @@
 """The choice between shapes: kernels that ask any body, and branch on its shape here only.
 
-Points are in the body's own frame unless a pose is given.
+Points are in the body's own frame unless a pose is given. A table has the packing of each shape.
 """
 
 from __future__ import annotations
@@ -8,7 +8,8 @@ from __future__ import annotations
 from gcm_learn.compiled import njit
 from gcm_learn.scene.bodies import BALL, BOX, CAPSULE, CYLINDER, KIND, POLYGON
 from gcm_learn.scene.shapes import ball, box, capsule, cylinder, polygon
-from gcm_learn.scene.shapes.region import new_cut, region_distance
+from gcm_learn.scene.shapes.region import Entry, new_cut, region_distance
+from gcm_learn.situation import Box, Capsule, Cylinder, Disc, Polygon, Shape, Sphere
 
 
 @njit(_nrt=False)
@@ -125,3 +126,18 @@ def gap_in_plane(bodies, poses, b, x, y):
     made = new_cut()
     discs, corners = cut(bodies, poses, b, made)
     return region_distance(x, y, made, discs, corners)
+
+
+ENTRIES: dict[type, Entry] = {
+    Disc: ball.DISC_ENTRY,
+    Polygon: polygon.ENTRY,
+    Sphere: ball.SPHERE_ENTRY,
+    Box: box.ENTRY,
+    Capsule: capsule.ENTRY,
+    Cylinder: cylinder.ENTRY,
+}
+
+
+def entry_of(shape: Shape) -> Entry:
+    """Return the entry of a shape."""
+    return ENTRIES[type(shape)]

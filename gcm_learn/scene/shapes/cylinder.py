@@ -7,8 +7,7 @@ import numpy as np
 from gcm_learn.compiled import njit
 from gcm_learn.scene.bodies import CYLINDER, SIZE
 from gcm_learn.scene.shapes.box import excess
-from gcm_learn.scene.shapes.entry import Entry
-from gcm_learn.scene.shapes.region import placed
+from gcm_learn.scene.shapes.region import Entry, placed
 
 ENTRY = Entry(CYLINDER, lambda shape: (shape.radius, shape.half_length, 0.0), is_round=True)
 

@@ -15,7 +15,8 @@ Ellipse arcs are sampled: vertices lie on the true boundary, so the polygon lies
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Callable
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -124,3 +125,21 @@ def region_distance(px, py, made, discs, corners):
         away = np.hypot(px - made.discs[k, 0], py - made.discs[k, 1])
         best = min(best, away - made.discs[k, 2])
     return best
+
+
+Sizes = tuple[float, float, float]
+
+
+class Entry(NamedTuple):
+    """Numbers of a shape in a body's row."""
+
+    number: int
+    """Number in the column KIND."""
+    sizes: Callable[[Any], Sizes]
+    """Sizes in the columns SIZE to SIZE + 2, from a shape of `gcm_learn.situation`."""
+    is_ball: bool = False
+    """True if the shape is all of the ball that holds it, so that no turn can be seen."""
+    is_round: bool = False
+    """True if a turn about the z axis cannot be seen."""
+    vertices: Callable[[Any], tuple[tuple[float, float], ...]] = lambda _shape: ()
+    """Corners in the plane, from a shape of `gcm_learn.situation`."""

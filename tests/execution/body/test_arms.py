@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from gcm_learn import execution
-from gcm_learn.execution.arena.kernels.joints.playing import SPATIAL_KERNELS
+from gcm_learn.execution.arena.kernels.joints.observation import SPATIAL_KERNELS
 from gcm_learn.execution.body.motors import motor_accelerations
 from tests.execution.conftest import Straight
 

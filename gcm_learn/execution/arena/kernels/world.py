@@ -190,3 +190,17 @@ def pay(told, e, outcome, catches, share, weights, nearer):
     terms[e, TOUCH] = -weights[TOUCH] if outcome == COLLIDED else 0.0
     terms[e, HASTE] = -weights[HASTE] * share
     terms[e, GUIDE] = weights[GUIDE] * nearer
+
+
+@njit(_nrt=False, forceinline=True)
+def put(row, k, value):
+    """Write a number."""
+    row[k] = min(max(value, -EXTREME), EXTREME)
+
+
+@njit(_nrt=False, forceinline=True)
+def put_vector(row, k, x, y, z, unit):
+    """Write the vector (x, y, z) in a unit."""
+    put(row, k, x / unit)
+    put(row, k + 1, y / unit)
+    put(row, k + 2, z / unit)

@@ -14,7 +14,6 @@ import numpy as np
 
 from gcm_learn.arms.planar_limb import elbow_of
 from gcm_learn.compiled import njit
-from gcm_learn.execution.arena.kernels.hands.fan import tell_fan
 from gcm_learn.execution.arena.kernels.hands.nearness import (
     ELBOW_X,
     ELBOW_Y,
@@ -27,6 +26,7 @@ from gcm_learn.execution.arena.kernels.hands.nearness import (
     exactly,
     follow,
     place_limb,
+    tell_fan,
 )
 from gcm_learn.execution.arena.kernels.hands.scene import MOMENTS, scene_of
 from gcm_learn.execution.arena.kernels.world import EXTREME, LONG, rules_in

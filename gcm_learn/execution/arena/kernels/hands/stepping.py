@@ -12,7 +12,8 @@ from gcm_learn.arms.planar_limb import elbow_of
 from gcm_learn.collision.sweep import least_distance
 from gcm_learn.compiled import njit
 from gcm_learn.execution.arena.kernels.hands.nearness import stays_away, stays_free
-from gcm_learn.execution.arena.kernels.hands.scene import FAR, HORIZON, scene_of
+from gcm_learn.execution.arena.kernels.hands.observation import observe
+from gcm_learn.execution.arena.kernels.hands.scene import FAR, HORIZON, scene_of, workspace_for
 from gcm_learn.execution.arena.kernels.world import (
     CAUGHT,
     COLLIDED,
@@ -20,6 +21,10 @@ from gcm_learn.execution.arena.kernels.world import (
     HAND_VELOCITY,
     LATE,
     RUNNING,
+    Options,
+    State,
+    Told,
+    World,
     pay,
     rules_in,
 )
@@ -185,3 +190,22 @@ def step(world, state, e, actions, options, told, workspace):
     share = (state.time[e] - since) / world.limits[s, HORIZON]
     catches = 1.0 if outcome == CAUGHT else 0.0
     pay(told, e, outcome, catches, share, weights, before - options.discount * after)
+
+
+@njit(nogil=True)
+def observe_all(world, state, chosen, options, out):
+    """Write the observations of the arms `chosen` (k,) into their rows of `out`."""
+    worlds, states, how = World(*world), State(*state), Options(*options)
+    workspace = workspace_for(worlds, states, 0, states.place.size)
+    for k in range(chosen.size):
+        observe(worlds, states, chosen[k], how, out, workspace)
+
+
+@njit(nogil=True)
+def play(world, state, actions, options, told, first, last):
+    """Make a step of arms first to last - 1, and observe."""
+    worlds, states, how, out = World(*world), State(*state), Options(*options), Told(*told)
+    workspace = workspace_for(worlds, states, first, last)
+    for e in range(first, last):
+        step(worlds, states, e, actions, how, out, workspace)
+        observe(worlds, states, e, how, out.observations, workspace)

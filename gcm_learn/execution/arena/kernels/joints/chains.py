@@ -15,10 +15,8 @@ from gcm_learn.arms.chain_limb import PRISMATIC, ChainLimb
 from gcm_learn.arms.limbs import axis_of, dof, ignores, link, link_count, self_gap, still
 from gcm_learn.collision.postures import gap_to
 from gcm_learn.compiled import njit
-from gcm_learn.execution.arena.kernels.joints.nearness import nearest_on_bone
-from gcm_learn.execution.arena.kernels.joints.rates import lay, wish
-from gcm_learn.execution.arena.kernels.joints.writing import put, put_vector
-from gcm_learn.execution.arena.kernels.world import World
+from gcm_learn.execution.arena.kernels.joints.nearness import lay, nearest_on_bone, wish
+from gcm_learn.execution.arena.kernels.world import World, put, put_vector
 from gcm_learn.motion.joint_interception import approach_axis, approach_excess, has_approach
 from gcm_learn.motion.joint_verification import hand_too_fast
 from gcm_learn.scene import AimedLimits, Scene

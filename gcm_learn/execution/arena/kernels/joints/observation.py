@@ -8,10 +8,13 @@ their own greatest ones.
 
 from __future__ import annotations
 
+from typing import Any, NamedTuple
+
 import numpy as np
 
 from gcm_learn.arms.limbs import dof, hand_of, place
 from gcm_learn.compiled import njit
+from gcm_learn.execution.arena.kernels.joints.chains import ChainWorld
 from gcm_learn.execution.arena.kernels.joints.limbs import (
     approach_numbers,
     beside,
@@ -29,10 +32,21 @@ from gcm_learn.execution.arena.kernels.joints.meeting import (
     AIM_ROW,
     aim_along,
     first_meeting_in_view,
+    way_to_go,
 )
 from gcm_learn.execution.arena.kernels.joints.nearness import centre_motion, point_velocity
-from gcm_learn.execution.arena.kernels.joints.writing import put, put_vector
-from gcm_learn.execution.arena.kernels.world import EXTREME
+from gcm_learn.execution.arena.kernels.joints.scene import view_in, views_for
+from gcm_learn.execution.arena.kernels.joints.stepping import step
+from gcm_learn.execution.arena.kernels.world import (
+    EXTREME,
+    Options,
+    State,
+    Told,
+    World,
+    pay,
+    put,
+    put_vector,
+)
 from gcm_learn.motion.joint_interception import target_room
 from gcm_learn.scene.bodies import REACH, centre_at, pose_at
 from gcm_learn.scene.shapes.choice import inner_radius
@@ -214,3 +228,76 @@ def _room(view, limb, b, time, where):
     enough = _EXACTLY * view.reach
     room = gap_of(limb, where, view.scene.bodies, b, time, enough, view.desk.poses)
     return min((room - view.rules.touch) / view.reach, EXTREME)
+
+
+class JointKernels(NamedTuple):
+    """Kernels of many arms that move in their joints."""
+
+    observe: Any
+    play: Any
+    ways_to_go: Any
+
+
+def kernels_in(world_type: type[World]) -> JointKernels:
+    """Return the kernels of many arms in a type of world.
+
+    Worlds come as plain tuples, so that a call is quick; the type chooses the kernels of limbs.
+    """
+
+    @njit(nogil=True)
+    def observe_all(world, state, chosen, options, out):
+        """Write the observations of the arms `chosen` (k,) into their rows of `out`."""
+        worlds, states, how = world_type(*world), State(*state), Options(*options)
+        room = views_for(worlds, states, 0, states.place.size)
+        for k in range(chosen.size):
+            e = chosen[k]
+            view = view_in(worlds, states, e, room)
+            observe(view, states.time[e], states.posture, e, how, out[e])
+            hand = hand_of(view.scene.limb, place(view.scene.limb, view.joints[0]))
+            states.hand[e, 0], states.hand[e, 1], states.hand[e, 2] = hand
+
+    @njit(nogil=True)
+    def play(world, state, actions, options, told, first, last):
+        """Make a step of arms first to last - 1, and observe."""
+        worlds, states, how, out = world_type(*world), State(*state), Options(*options), Told(*told)
+        room = views_for(worlds, states, first, last)
+        for e in range(first, last):
+            view = step(worlds, states, e, actions, how, out, room)
+            row = out.observations[e]
+            observe(view, states.time[e], states.posture, e, how, row)
+
+    @njit(nogil=True)
+    def ways_to_go(world, state, out):
+        """Write the guide's potential of every arm."""
+        worlds, states = world_type(*world), State(*state)
+        room = views_for(worlds, states, 0, states.place.size)
+        for e in range(states.place.size):
+            view = view_in(worlds, states, e, room)
+            out[e] = way_to_go(view, states.time[e], states.posture, e)
+
+    return JointKernels(observe_all, play, ways_to_go)
+
+
+SPATIAL_KERNELS = kernels_in(World)
+CHAIN_KERNELS = kernels_in(ChainWorld)
+
+
+@njit(nogil=True)
+def settle(told, catches, weights, shares, nearer):
+    """Pay every arm for a step that a plant with mass made.
+
+    Parameters
+    ----------
+    told : Told
+        As a plain tuple, with the outcomes.
+    catches : (e,) ndarray
+        Of the step, as shares of those that end the episodes.
+    weights : (4,) ndarray
+    shares : (e,) ndarray
+        Of the horizons that the step took.
+    nearer : (e,) ndarray
+        See `pay`.
+    """
+    out = Told(*told)
+    for e in range(shares.size):
+        pay(out, e, out.outcomes[e], catches[e], shares[e], weights, nearer[e])

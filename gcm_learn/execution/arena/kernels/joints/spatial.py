@@ -8,9 +8,13 @@ from gcm_learn.arms.spatial_limb import SpatialLimb, limb_at
 from gcm_learn.collision.postures import body_distance
 from gcm_learn.compiled import njit
 from gcm_learn.execution.arena.kernels.joints import fan
-from gcm_learn.execution.arena.kernels.joints.nearness import limb_velocity, nearest_on_bone
-from gcm_learn.execution.arena.kernels.joints.rates import SOFTER, braking
-from gcm_learn.execution.arena.kernels.joints.writing import put, put_vector
+from gcm_learn.execution.arena.kernels.joints.nearness import (
+    SOFTER,
+    braking,
+    limb_velocity,
+    nearest_on_bone,
+)
+from gcm_learn.execution.arena.kernels.world import put, put_vector
 from gcm_learn.scene import JointLimits as JointLimits
 
 START = slice(23, 31)  # columns of a world's limbs: joints and rates at t = 0

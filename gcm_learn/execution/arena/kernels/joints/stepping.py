@@ -15,7 +15,7 @@ from gcm_learn.collision.postures import least_on
 from gcm_learn.compiled import njit
 from gcm_learn.execution.arena.kernels.joints.limbs import brakes_slowly
 from gcm_learn.execution.arena.kernels.joints.meeting import way_to_go
-from gcm_learn.execution.arena.kernels.joints.rates import SOFTER, lay, wish
+from gcm_learn.execution.arena.kernels.joints.nearness import SOFTER, lay, wish
 from gcm_learn.execution.arena.kernels.joints.scene import view_in
 from gcm_learn.execution.arena.kernels.world import (
     CAUGHT,
