@@ -24,6 +24,8 @@ def late_names(package: str, places: Mapping[str, Sequence[str]]) -> Callable[[s
         Imports a name's module at the first use, and keeps the name in the package.
     """
     place = {name: module for module, names in places.items() for name in names}
+    door = vars(sys.modules[package])
+    door["__dir__"] = lambda: sorted({*door, *place})
 
     def get(name: str) -> Any:
         if name not in place:

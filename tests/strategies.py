@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 from hypothesis import strategies as st
 
-from gcm_learn import arms as limbs
-from gcm_learn import situation
+from gcm_learn import arms as limbs, situation
 from gcm_learn.referee.rotations import rotations as of_quaternion
 from gcm_learn.situation.timed_motion import flown
 

@@ -28,10 +28,10 @@ from experiments.clusters import (
     k_means,
     shared,
     shares,
+    stability as k_means_stability,
     transfers,
     tries,
 )
-from experiments.clusters import stability as k_means_stability
 from gcm_learn import dataset, seeding
 from gcm_learn.arms import SPATIAL
 from gcm_learn.evaluation import Table

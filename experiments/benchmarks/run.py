@@ -31,8 +31,7 @@ from gcm_learn.families import random_planar
 from gcm_learn.scene import Scene, pack
 from gcm_learn.situation import Body, Disc, PlanarQuadratic, Situation
 from gcm_learn.wave import front_speed, kappa_of, stencil
-from gcm_learn.wave.causal import march_in_plane as march
-from gcm_learn.wave.causal import march_layers_in_plane as march_layers
+from gcm_learn.wave.causal import march_in_plane as march, march_layers_in_plane as march_layers
 from gcm_learn.wave.reference import propagate_reference
 from gcm_learn.wave.solver import propagate_in_plane as propagate
 

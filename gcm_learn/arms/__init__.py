@@ -2,125 +2,84 @@
 
 from typing import TYPE_CHECKING
 
+from gcm_learn import late
 from gcm_learn.arms.chain import (
-    JOINT_TYPES,
-    Chain,
-    ChainJoint,
-    ChainModel,
-    Hand,
-    Link,
-    unknown_obstacle,
+    JOINT_TYPES as JOINT_TYPES,
+    Chain as Chain,
+    ChainJoint as ChainJoint,
+    ChainModel as ChainModel,
+    Hand as Hand,
+    Link as Link,
+    unknown_obstacle as unknown_obstacle,
 )
-from gcm_learn.arms.chain_limb import ChainLimb, limb_of_chain
-from gcm_learn.arms.followers import Follows
+from gcm_learn.arms.chain_limb import ChainLimb as ChainLimb, limb_of_chain as limb_of_chain
+from gcm_learn.arms.followers import Follows as Follows
 from gcm_learn.arms.kinds import (
-    CHAIN,
-    PLANAR,
-    SPATIAL,
-    ByKind,
-    Kind,
-    is_arm,
-    kind_named,
-    kind_of,
-    kinds,
-    register_kind,
-    solution_format,
+    CHAIN as CHAIN,
+    PLANAR as PLANAR,
+    SPATIAL as SPATIAL,
+    ByKind as ByKind,
+    Kind as Kind,
+    is_arm as is_arm,
+    kind_named as kind_named,
+    kind_of as kind_of,
+    kinds as kinds,
+    register_kind as register_kind,
+    solution_format as solution_format,
 )
-from gcm_learn.arms.kinematics import hand_speed, hands_along, links_along, off_segment
-from gcm_learn.arms.planar import ELBOWS, Arm
+from gcm_learn.arms.kinematics import (
+    hand_speed as hand_speed,
+    hands_along as hands_along,
+    links_along as links_along,
+    off_segment as off_segment,
+)
+from gcm_learn.arms.planar import ELBOWS as ELBOWS, Arm as Arm
 from gcm_learn.arms.planar_limb import (
-    SIDE,
-    PlanarLimb,
-    elbow_of,
-    elbow_position,
-    forward,
-    joint_angles,
-    joints_of,
-    planar_limb_of,
+    SIDE as SIDE,
+    PlanarLimb as PlanarLimb,
+    elbow_of as elbow_of,
+    elbow_position as elbow_position,
+    forward as forward,
+    joint_angles as joint_angles,
+    joints_of as joints_of,
+    planar_limb_of as planar_limb_of,
 )
 from gcm_learn.arms.rotations import (
-    quaternion_of,
-    rotation_of,
-    rotations_of,
-    turned_by,
-    unit_quaternion,
+    quaternion_of as quaternion_of,
+    rotation_of as rotation_of,
+    rotations_of as rotations_of,
+    turned_by as turned_by,
+    unit_quaternion as unit_quaternion,
 )
-from gcm_learn.arms.spatial import IDENTITY, JOINTS, OTHER_ARMS, Base, SpatialArm
-from gcm_learn.arms.spatial_limb import SpatialLimb, forward_in_space, spatial_limb_of
-from gcm_learn.arms.swivels import inverse_in_space, swivel_in_space
-from gcm_learn.late import late_names
+from gcm_learn.arms.spatial import (
+    IDENTITY as IDENTITY,
+    JOINTS as JOINTS,
+    OTHER_ARMS as OTHER_ARMS,
+    Base as Base,
+    SpatialArm as SpatialArm,
+)
+from gcm_learn.arms.spatial_limb import (
+    SpatialLimb as SpatialLimb,
+    forward_in_space as forward_in_space,
+    spatial_limb_of as spatial_limb_of,
+)
+from gcm_learn.arms.swivels import (
+    inverse_in_space as inverse_in_space,
+    swivel_in_space as swivel_in_space,
+)
 
 if TYPE_CHECKING:
     from gcm_learn.arms.robots import (
-        Fitted,
-        Inertial,
-        Robot,
-        chain_of,
-        frames_at,
-        read_robot,
+        Fitted as Fitted,
+        Inertial as Inertial,
+        Robot as Robot,
+        chain_of as chain_of,
+        frames_at as frames_at,
+        read_robot as read_robot,
     )
 
-__all__ = [
-    "Arm",
-    "Base",
-    "ByKind",
-    "CHAIN",
-    "Chain",
-    "ChainJoint",
-    "ChainLimb",
-    "ChainModel",
-    "ELBOWS",
-    "Fitted",
-    "Follows",
-    "Hand",
-    "IDENTITY",
-    "Inertial",
-    "JOINTS",
-    "JOINT_TYPES",
-    "Kind",
-    "Link",
-    "OTHER_ARMS",
-    "PLANAR",
-    "PlanarLimb",
-    "Robot",
-    "SIDE",
-    "SPATIAL",
-    "SpatialArm",
-    "SpatialLimb",
-    "chain_of",
-    "elbow_of",
-    "elbow_position",
-    "forward",
-    "forward_in_space",
-    "frames_at",
-    "hand_speed",
-    "hands_along",
-    "inverse_in_space",
-    "is_arm",
-    "joint_angles",
-    "joints_of",
-    "kind_named",
-    "kind_of",
-    "kinds",
-    "limb_of_chain",
-    "links_along",
-    "off_segment",
-    "planar_limb_of",
-    "quaternion_of",
-    "read_robot",
-    "register_kind",
-    "rotation_of",
-    "rotations_of",
-    "solution_format",
-    "spatial_limb_of",
-    "swivel_in_space",
-    "turned_by",
-    "unit_quaternion",
-    "unknown_obstacle",
-]
 
-
-__getattr__ = late_names(
+__getattr__ = late.late_names(
     __name__,
     {
         "robots": (

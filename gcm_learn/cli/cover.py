@@ -14,8 +14,7 @@ from gcm_learn.cli.options import COUNT, TIME, Folder, Number, Workers, given, r
 from gcm_learn.cli.progress import Progress
 
 if TYPE_CHECKING:
-    from gcm_learn.cover import Cover as Grown
-    from gcm_learn.cover import ParametricFamily
+    from gcm_learn.cover import Cover as Grown, ParametricFamily
 
 PARTS = 1000  # of the box, in which the bar counts
 SHARE = ranged(float, "SHARE", 0, 1, above=True)

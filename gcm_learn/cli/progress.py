@@ -96,8 +96,7 @@ class Progress:
 def _bar(stream: TextIO, clock: Callable[[], float]) -> Bar:
     """Return a bar on a terminal; rich is imported here, for it takes as long as a short job."""
     from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, TextColumn
-    from rich.progress import Progress as Bar
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress as Bar, TextColumn
 
     columns = (
         MofNCompleteColumn(), TextColumn("{task.description}"), BarColumn(),

@@ -7,54 +7,37 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from gcm_learn.envs.catch_arm import CatchArm, CatchArm3D, CatchArmPhysics
-    from gcm_learn.envs.catch_chain import CatchChain, CatchChainPhysics
-    from gcm_learn.envs.one_arm import box, commands, finite
-    from gcm_learn.envs.vector import (
-        CatchArms,
-        CatchArms3D,
-        CatchArmsPhysics,
-        CatchChains,
-        CatchChainsPhysics,
+    from gcm_learn.envs.catch_arm import (
+        CatchArm as CatchArm,
+        CatchArm3D as CatchArm3D,
+        CatchArmPhysics as CatchArmPhysics,
     )
-    from gcm_learn.envs.views import WithMap, map_image
+    from gcm_learn.envs.catch_chain import (
+        CatchChain as CatchChain,
+        CatchChainPhysics as CatchChainPhysics,
+    )
+    from gcm_learn.envs.one_arm import box as box, commands as commands, finite as finite
+    from gcm_learn.envs.vector import (
+        CatchArms as CatchArms,
+        CatchArms3D as CatchArms3D,
+        CatchArmsPhysics as CatchArmsPhysics,
+        CatchChains as CatchChains,
+        CatchChainsPhysics as CatchChainsPhysics,
+    )
+    from gcm_learn.envs.views import WithMap as WithMap, map_image as map_image
     from gcm_learn.execution import (
-        ChainPhysicalSettings,
-        ChainSettings,
-        PhysicalSettings,
-        Pool,
-        Settings,
-        SpatialSettings,
-        Weights,
+        ChainPhysicalSettings as ChainPhysicalSettings,
+        ChainSettings as ChainSettings,
+        PhysicalSettings as PhysicalSettings,
+        Pool as Pool,
+        Settings as Settings,
+        SpatialSettings as SpatialSettings,
+        Weights as Weights,
     )
 
-__all__ = [
-    "CatchArm",
-    "CatchArm3D",
-    "CatchArmPhysics",
-    "CatchArms",
-    "CatchArms3D",
-    "CatchArmsPhysics",
-    "CatchChain",
-    "CatchChainPhysics",
-    "CatchChains",
-    "CatchChainsPhysics",
-    "ChainPhysicalSettings",
-    "ChainSettings",
-    "PhysicalSettings",
-    "Pool",
-    "Settings",
-    "SpatialSettings",
-    "Weights",
-    "WithMap",
-    "box",
-    "commands",
-    "finite",
-    "map_image",
-]
 
 _HOMES = {
     "CatchArm": "envs.catch_arm",
@@ -82,7 +65,7 @@ _HOMES = {
 }
 
 
-def __getattr__(name: str) -> Any:
+def __getattr__(name: str) -> object:
     """Load a name of this folder when it is first used: it needs gymnasium."""
     import importlib
 
@@ -97,3 +80,7 @@ def __getattr__(name: str) -> Any:
             raise
         raise MissingExtraError(f"gcm_learn.envs.{name}", "gymnasium", "rl") from None
     return getattr(module, name)
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *_HOMES})

@@ -11,27 +11,50 @@ from typing import TYPE_CHECKING
 from gcm_learn.late import late_names
 
 if TYPE_CHECKING:
-    from gcm_learn.evaluation.asking import ask, asked_for
-    from gcm_learn.evaluation.conditions import Condition, after
-    from gcm_learn.evaluation.entrants import ActorMethod, Entrant, get_method
-    from gcm_learn.evaluation.judging import complaints, judged_again, read_sheets
-    from gcm_learn.evaluation.machine import passes
-    from gcm_learn.evaluation.measures import Table, pairs, ready, shares
-    from gcm_learn.evaluation.report import page
-    from gcm_learn.evaluation.sheet import Sheet
-    from gcm_learn.evaluation.sources import Case, cases, check_sources, suite_lines
-    from gcm_learn.evaluation.statistics import (
-        Interval,
-        beyond_chance,
-        chance,
-        difference,
-        hierarchical,
-        holm,
-        mcnemar,
-        stratified,
-        wilson,
+    from gcm_learn.evaluation.asking import ask as ask, asked_for as asked_for
+    from gcm_learn.evaluation.conditions import Condition as Condition, after as after
+    from gcm_learn.evaluation.entrants import (
+        ActorMethod as ActorMethod,
+        Entrant as Entrant,
+        get_method as get_method,
     )
-    from gcm_learn.evaluation.suites import FROZEN, SHIPPED, draw_suite, hash_of
+    from gcm_learn.evaluation.judging import (
+        complaints as complaints,
+        judged_again as judged_again,
+        read_sheets as read_sheets,
+    )
+    from gcm_learn.evaluation.machine import passes as passes
+    from gcm_learn.evaluation.measures import (
+        Table as Table,
+        pairs as pairs,
+        ready as ready,
+        shares as shares,
+    )
+    from gcm_learn.evaluation.report import page as page
+    from gcm_learn.evaluation.sheet import Sheet as Sheet
+    from gcm_learn.evaluation.sources import (
+        Case as Case,
+        cases as cases,
+        check_sources as check_sources,
+        suite_lines as suite_lines,
+    )
+    from gcm_learn.evaluation.statistics import (
+        Interval as Interval,
+        beyond_chance as beyond_chance,
+        chance as chance,
+        difference as difference,
+        hierarchical as hierarchical,
+        holm as holm,
+        mcnemar as mcnemar,
+        stratified as stratified,
+        wilson as wilson,
+    )
+    from gcm_learn.evaluation.suites import (
+        FROZEN as FROZEN,
+        SHIPPED as SHIPPED,
+        draw_suite as draw_suite,
+        hash_of as hash_of,
+    )
 
 # Loaded when they are asked for, so that wrong arguments are refused soon.
 __getattr__ = late_names(__name__, {
@@ -48,11 +71,3 @@ __getattr__ = late_names(__name__, {
         "holm", "mcnemar", "stratified", "wilson",),
     "suites": ("FROZEN", "SHIPPED", "draw_suite", "hash_of",),
 })  # fmt: skip
-
-__all__ = [
-    "ActorMethod", "after", "ask", "asked_for", "beyond_chance", "Case", "cases", "chance",
-    "check_sources", "complaints", "Condition", "difference", "draw_suite", "Entrant",
-    "FROZEN", "get_method", "hash_of", "hierarchical", "holm", "Interval", "judged_again",
-    "mcnemar", "page", "pairs", "passes", "read_sheets", "ready", "shares", "Sheet", "SHIPPED",
-    "stratified", "suite_lines", "Table", "wilson",
-]  # fmt: skip

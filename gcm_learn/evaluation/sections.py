@@ -19,8 +19,7 @@ from gcm_learn.evaluation.measures import BUDGETS_MS, cell
 from gcm_learn.evaluation.sheet import OUTCOMES, Sheet
 from gcm_learn.evaluation.statistics import wilson
 from gcm_learn.evaluation.suites import SHIPPED
-from gcm_learn.plots import Failure, failure_figure, pages
-from gcm_learn.plots import sheet_figures as figures
+from gcm_learn.plots import Failure, failure_figure, pages, sheet_figures as figures
 from gcm_learn.situation import situation_from_json
 
 if TYPE_CHECKING:

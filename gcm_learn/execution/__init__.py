@@ -6,153 +6,99 @@
 >>> run_episode(agent, plant, np.arange(len(pool))).outcomes                 # doctest: +SKIP
 """
 
-from gcm_learn.execution.arena.batch import Batch, KinematicPlant, way_of
-from gcm_learn.execution.arena.kernels.hands.nearness import RAYS
-from gcm_learn.execution.arena.kernels.hands.observation import MEETING
-from gcm_learn.execution.arena.kernels.joints.fan import COMMANDS, commands_of
-from gcm_learn.execution.arena.kernels.joints.observation import AIM
-from gcm_learn.execution.arena.kernels.world import CAUGHT, COLLIDED, LATE, RUNNING
-from gcm_learn.execution.arena.pool import Pool, placed, without
+from gcm_learn.execution.arena.batch import (
+    Batch as Batch,
+    KinematicPlant as KinematicPlant,
+    way_of as way_of,
+)
+from gcm_learn.execution.arena.kernels.hands.nearness import RAYS as RAYS
+from gcm_learn.execution.arena.kernels.hands.observation import MEETING as MEETING
+from gcm_learn.execution.arena.kernels.joints.fan import (
+    COMMANDS as COMMANDS,
+    commands_of as commands_of,
+)
+from gcm_learn.execution.arena.kernels.joints.observation import AIM as AIM
+from gcm_learn.execution.arena.kernels.world import (
+    CAUGHT as CAUGHT,
+    COLLIDED as COLLIDED,
+    LATE as LATE,
+    RUNNING as RUNNING,
+)
+from gcm_learn.execution.arena.pool import Pool as Pool, placed as placed, without as without
 from gcm_learn.execution.arena.settings import (
-    OUTCOMES,
-    TERMS,
-    ArenaSettings,
-    ChainSettings,
-    Settings,
-    SpatialSettings,
-    Weights,
-    encoder,
-    settings_of,
+    OUTCOMES as OUTCOMES,
+    TERMS as TERMS,
+    ArenaSettings as ArenaSettings,
+    ChainSettings as ChainSettings,
+    Settings as Settings,
+    SpatialSettings as SpatialSettings,
+    Weights as Weights,
+    encoder as encoder,
+    settings_of as settings_of,
 )
 from gcm_learn.execution.arenas import (
-    ARENAS,
-    AnyBody,
-    Arena,
-    Source,
-    arena_named,
-    arena_of,
-    plant_of,
-    pool_for,
-    pool_of,
-    situations_of,
+    ARENAS as ARENAS,
+    AnyBody as AnyBody,
+    Arena as Arena,
+    Source as Source,
+    arena_named as arena_named,
+    arena_of as arena_of,
+    plant_of as plant_of,
+    pool_for as pool_for,
+    pool_of as pool_of,
+    situations_of as situations_of,
 )
-from gcm_learn.execution.body.arms import ChainPhysicalSettings, PhysicalArms, PhysicalSettings
+from gcm_learn.execution.body.arms import (
+    ChainPhysicalSettings as ChainPhysicalSettings,
+    PhysicalArms as PhysicalArms,
+    PhysicalSettings as PhysicalSettings,
+)
 from gcm_learn.execution.body.bodies import (
-    body_for,
-    body_of_robot,
-    read_body,
-    shipped_bodies,
+    body_for as body_for,
+    body_of_robot as body_of_robot,
+    read_body as read_body,
+    shipped_bodies as shipped_bodies,
 )
 from gcm_learn.execution.body.executing import (
-    Execution,
-    execute,
-    execute_seen,
-    execution_to_json,
-    measured_tube,
-    several_in,
+    Execution as Execution,
+    execute as execute,
+    execute_seen as execute_seen,
+    execution_to_json as execution_to_json,
+    measured_tube as measured_tube,
+    several_in as several_in,
 )
-from gcm_learn.execution.body.kinds import MECHANICS
-from gcm_learn.execution.body.motors import Controller, motor_accelerations, with_motor_limits
-from gcm_learn.execution.body.plant import Contact, PhysicalPlant
-from gcm_learn.execution.loop.belief import Belief
+from gcm_learn.execution.body.kinds import MECHANICS as MECHANICS
+from gcm_learn.execution.body.motors import (
+    Controller as Controller,
+    motor_accelerations as motor_accelerations,
+    with_motor_limits as with_motor_limits,
+)
+from gcm_learn.execution.body.plant import Contact as Contact, PhysicalPlant as PhysicalPlant
+from gcm_learn.execution.loop.belief import Belief as Belief
 from gcm_learn.execution.loop.closed_loop import (
-    Course,
-    ExactPlant,
-    LedPlant,
-    Loop,
-    Mind,
-    Occasion,
-    Thought,
-    run_closed_loop,
+    Course as Course,
+    ExactPlant as ExactPlant,
+    LedPlant as LedPlant,
+    Loop as Loop,
+    Mind as Mind,
+    Occasion as Occasion,
+    Thought as Thought,
+    run_closed_loop as run_closed_loop,
 )
 from gcm_learn.execution.loop.episode import (
-    Agent,
-    Episodes,
-    Moment,
-    Plant,
-    Steps,
-    into_frame,
-    run_episode,
+    Agent as Agent,
+    Episodes as Episodes,
+    Moment as Moment,
+    Plant as Plant,
+    Steps as Steps,
+    into_frame as into_frame,
+    run_episode as run_episode,
 )
-from gcm_learn.execution.loop.kinds import forearm_of
-from gcm_learn.execution.loop.minds import HABITS, Commanding, Planning, follower_of
-from gcm_learn.execution.loop.perception import Percept, Perception
-
-__all__ = [
-    "AIM",
-    "ARENAS",
-    "Agent",
-    "AnyBody",
-    "Arena",
-    "ArenaSettings",
-    "Batch",
-    "Belief",
-    "CAUGHT",
-    "COMMANDS",
-    "COLLIDED",
-    "ChainPhysicalSettings",
-    "ChainSettings",
-    "Commanding",
-    "Contact",
-    "Controller",
-    "Course",
-    "Episodes",
-    "ExactPlant",
-    "Execution",
-    "HABITS",
-    "KinematicPlant",
-    "LATE",
-    "LedPlant",
-    "Loop",
-    "MECHANICS",
-    "MEETING",
-    "Mind",
-    "Moment",
-    "OUTCOMES",
-    "Occasion",
-    "Percept",
-    "Perception",
-    "PhysicalArms",
-    "PhysicalPlant",
-    "PhysicalSettings",
-    "Planning",
-    "Plant",
-    "Pool",
-    "RAYS",
-    "RUNNING",
-    "Settings",
-    "Source",
-    "SpatialSettings",
-    "Steps",
-    "TERMS",
-    "Thought",
-    "Weights",
-    "arena_named",
-    "arena_of",
-    "body_for",
-    "body_of_robot",
-    "commands_of",
-    "encoder",
-    "execute",
-    "execute_seen",
-    "execution_to_json",
-    "several_in",
-    "follower_of",
-    "forearm_of",
-    "into_frame",
-    "measured_tube",
-    "motor_accelerations",
-    "placed",
-    "plant_of",
-    "pool_for",
-    "pool_of",
-    "read_body",
-    "run_closed_loop",
-    "run_episode",
-    "settings_of",
-    "shipped_bodies",
-    "situations_of",
-    "way_of",
-    "with_motor_limits",
-    "without",
-]
+from gcm_learn.execution.loop.kinds import forearm_of as forearm_of
+from gcm_learn.execution.loop.minds import (
+    HABITS as HABITS,
+    Commanding as Commanding,
+    Planning as Planning,
+    follower_of as follower_of,
+)
+from gcm_learn.execution.loop.perception import Percept as Percept, Perception as Perception

@@ -10,8 +10,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from gcm_learn.checks import number as checked_number
-from gcm_learn.checks import show
+from gcm_learn.checks import number as checked_number, show
 from gcm_learn.errors import FamilyError, SituationError
 
 Range = tuple[float, float]

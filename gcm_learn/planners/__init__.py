@@ -2,68 +2,89 @@
 
 from typing import TYPE_CHECKING
 
-from gcm_learn.late import late_names
+from gcm_learn import late
 
 if TYPE_CHECKING:
-    from gcm_learn.planners.baselines.st_rrt_star import STRRTStarPlanner
-    from gcm_learn.planners.baselines.straight import StraightPlanner
+    from gcm_learn.planners.baselines.st_rrt_star import STRRTStarPlanner as STRRTStarPlanner
+    from gcm_learn.planners.baselines.straight import StraightPlanner as StraightPlanner
     from gcm_learn.planners.completion import (
-        CATCH_STEP,
-        Attempt,
-        Problem,
-        SpatialProblem,
-        Task,
-        attempt_of,
-        checked,
-        first_catch_on,
-        straight_plan,
+        CATCH_STEP as CATCH_STEP,
+        Attempt as Attempt,
+        Problem as Problem,
+        SpatialProblem as SpatialProblem,
+        Task as Task,
+        attempt_of as attempt_of,
+        checked as checked,
+        first_catch_on as first_catch_on,
+        straight_plan as straight_plan,
     )
-    from gcm_learn.planners.feedback import Exploration, Feedback
-    from gcm_learn.planners.fronts import Explore, FrontPlanner, Params, gcm, marching
-    from gcm_learn.planners.joints.moves import study_of
-    from gcm_learn.planners.joints.straight import any_straight, at_once, earliest_straight
-    from gcm_learn.planners.joints.tree_search import TreeSearch, search_in_space
-    from gcm_learn.planners.layered_front import layered
-    from gcm_learn.planners.oracle.bounds import Bounds, bounds, stratum
-    from gcm_learn.planners.oracle.yardstick import Yardstick, without_waits, yardstick
-    from gcm_learn.planners.outside import LIMIT, broken_promise
+    from gcm_learn.planners.feedback import Exploration as Exploration, Feedback as Feedback
+    from gcm_learn.planners.fronts import (
+        Explore as Explore,
+        FrontPlanner as FrontPlanner,
+        Params as Params,
+        gcm as gcm,
+        marching as marching,
+    )
+    from gcm_learn.planners.joints.moves import study_of as study_of
+    from gcm_learn.planners.joints.straight import (
+        any_straight as any_straight,
+        at_once as at_once,
+        earliest_straight as earliest_straight,
+    )
+    from gcm_learn.planners.joints.tree_search import (
+        TreeSearch as TreeSearch,
+        search_in_space as search_in_space,
+    )
+    from gcm_learn.planners.layered_front import layered as layered
+    from gcm_learn.planners.oracle.bounds import (
+        Bounds as Bounds,
+        bounds as bounds,
+        stratum as stratum,
+    )
+    from gcm_learn.planners.oracle.yardstick import (
+        Yardstick as Yardstick,
+        without_waits as without_waits,
+        yardstick as yardstick,
+    )
+    from gcm_learn.planners.outside import LIMIT as LIMIT, broken_promise as broken_promise
     from gcm_learn.planners.plan import (
-        FAULTS,
-        GAIN,
-        Anytime,
-        Deadline,
-        Plan,
-        Planner,
-        deadline_of,
-        declined,
-        keeps_limits,
-        plan_to_json,
-        taken,
-        takes,
+        FAULTS as FAULTS,
+        GAIN as GAIN,
+        Anytime as Anytime,
+        Deadline as Deadline,
+        Plan as Plan,
+        Planner as Planner,
+        deadline_of as deadline_of,
+        declined as declined,
+        keeps_limits as keeps_limits,
+        plan_to_json as plan_to_json,
+        taken as taken,
+        takes as takes,
     )
     from gcm_learn.planners.references import (
-        absolute,
-        acts,
-        found,
-        in_words,
-        instance,
-        name_of,
-        source_of,
+        absolute as absolute,
+        acts as acts,
+        found as found,
+        in_words as in_words,
+        instance as instance,
+        name_of as name_of,
+        source_of as source_of,
     )
     from gcm_learn.planners.registry import (
-        all_planner_names,
-        as_ours,
-        get_planner,
-        is_registered,
-        plan_with,
-        planner_names,
-        solve,
-        summary_of,
+        all_planner_names as all_planner_names,
+        as_ours as as_ours,
+        get_planner as get_planner,
+        is_registered as is_registered,
+        plan_with as plan_with,
+        planner_names as planner_names,
+        solve as solve,
+        summary_of as summary_of,
     )
-    from gcm_learn.planners.tube import InTube, Tube
+    from gcm_learn.planners.tube import InTube as InTube, Tube as Tube
 
 # Loaded when they are asked for: a planner's compiled code takes a second to load.
-__getattr__ = late_names(__name__, {
+__getattr__ = late.late_names(__name__, {
     "baselines.st_rrt_star": ("STRRTStarPlanner",),
     "baselines.straight": ("StraightPlanner",),
     "completion": (
@@ -93,68 +114,3 @@ __getattr__ = late_names(__name__, {
     ),
     "tube": ("InTube", "Tube"),
 })  # fmt: skip
-
-__all__ = [
-    "Plan",
-    "Anytime",
-    "Attempt",
-    "Bounds",
-    "CATCH_STEP",
-    "Deadline",
-    "Exploration",
-    "Explore",
-    "Feedback",
-    "FAULTS",
-    "FrontPlanner",
-    "GAIN",
-    "InTube",
-    "LIMIT",
-    "Params",
-    "Planner",
-    "Problem",
-    "STRRTStarPlanner",
-    "SpatialProblem",
-    "StraightPlanner",
-    "Task",
-    "TreeSearch",
-    "Tube",
-    "Yardstick",
-    "absolute",
-    "acts",
-    "all_planner_names",
-    "any_straight",
-    "as_ours",
-    "at_once",
-    "attempt_of",
-    "bounds",
-    "broken_promise",
-    "checked",
-    "declined",
-    "deadline_of",
-    "earliest_straight",
-    "first_catch_on",
-    "found",
-    "gcm",
-    "get_planner",
-    "in_words",
-    "instance",
-    "is_registered",
-    "layered",
-    "marching",
-    "name_of",
-    "plan_to_json",
-    "plan_with",
-    "planner_names",
-    "search_in_space",
-    "solve",
-    "source_of",
-    "straight_plan",
-    "study_of",
-    "stratum",
-    "summary_of",
-    "keeps_limits",
-    "taken",
-    "takes",
-    "without_waits",
-    "yardstick",
-]

@@ -6,49 +6,31 @@
 
 from typing import TYPE_CHECKING
 
-from gcm_learn.late import late_names
+from gcm_learn import late
 from gcm_learn.policies.actor import (
-    FILE,
-    Acting,
-    Actor,
-    ActorPlanner,
-    acted,
-    actor_folder,
-    actor_names,
-    all_actor_names,
-    is_actor,
-    shipped_actor,
-    tried_out,
+    FILE as FILE,
+    Acting as Acting,
+    Actor as Actor,
+    ActorPlanner as ActorPlanner,
+    acted as acted,
+    actor_folder as actor_folder,
+    actor_names as actor_names,
+    all_actor_names as all_actor_names,
+    is_actor as is_actor,
+    shipped_actor as shipped_actor,
+    tried_out as tried_out,
 )
-from gcm_learn.policies.exports import export_minari
-from gcm_learn.policies.outside import OwnPolicy, own_policy
-from gcm_learn.policies.plan import TrainingPlan, plan_of, read_plan
-from gcm_learn.policies.training import score
+from gcm_learn.policies.exports import export_minari as export_minari
+from gcm_learn.policies.outside import OwnPolicy as OwnPolicy, own_policy as own_policy
+from gcm_learn.policies.plan import (
+    TrainingPlan as TrainingPlan,
+    plan_of as plan_of,
+    read_plan as read_plan,
+)
+from gcm_learn.policies.training import score as score
 
 if TYPE_CHECKING:
-    from gcm_learn.policies.training import train
+    from gcm_learn.policies.training import train as train
 
 # Loaded when it is asked for: it needs torch.
-__getattr__ = late_names(__name__, {"training": ("train",)})
-
-__all__ = [
-    "Acting",
-    "Actor",
-    "ActorPlanner",
-    "FILE",
-    "OwnPolicy",
-    "TrainingPlan",
-    "acted",
-    "actor_folder",
-    "actor_names",
-    "export_minari",
-    "is_actor",
-    "all_actor_names",
-    "own_policy",
-    "plan_of",
-    "read_plan",
-    "score",
-    "shipped_actor",
-    "tried_out",
-    "train",
-]
+__getattr__ = late.late_names(__name__, {"training": ("train",)})

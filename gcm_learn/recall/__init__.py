@@ -8,96 +8,75 @@
 
 from typing import TYPE_CHECKING
 
-from gcm_learn.late import late_names
-from gcm_learn.recall.adaptation import Adaptation, adapt, transfer
-from gcm_learn.recall.encoder import CONFIG, Encoder, EncoderConfig, load_encoder, save_encoder
-from gcm_learn.recall.features import map_picture
-from gcm_learn.recall.files import MANIFEST, is_memory
-from gcm_learn.recall.growth import remember
+from gcm_learn import late
+from gcm_learn.recall.adaptation import (
+    Adaptation as Adaptation,
+    adapt as adapt,
+    transfer as transfer,
+)
+from gcm_learn.recall.encoder import (
+    CONFIG as CONFIG,
+    Encoder as Encoder,
+    EncoderConfig as EncoderConfig,
+    load_encoder as load_encoder,
+    save_encoder as save_encoder,
+)
+from gcm_learn.recall.features import map_picture as map_picture
+from gcm_learn.recall.files import MANIFEST as MANIFEST, is_memory as is_memory
+from gcm_learn.recall.growth import remember as remember
 from gcm_learn.recall.index import (
-    Index,
-    LearnedIndex,
-    PcaIndex,
-    RandomIndex,
-    RawIndex,
-    index_class,
-    nearest_rows,
+    Index as Index,
+    LearnedIndex as LearnedIndex,
+    PcaIndex as PcaIndex,
+    RandomIndex as RandomIndex,
+    RawIndex as RawIndex,
+    index_class as index_class,
+    nearest_rows as nearest_rows,
 )
-from gcm_learn.recall.kinds import MEMORIES, raw_features, waypoints_of
-from gcm_learn.recall.lessons import Sizes
+from gcm_learn.recall.kinds import (
+    MEMORIES as MEMORIES,
+    raw_features as raw_features,
+    waypoints_of as waypoints_of,
+)
+from gcm_learn.recall.lessons import Sizes as Sizes
 from gcm_learn.recall.planners import (
-    HybridPlanner,
-    RecallPlanner,
-    Recollection,
-    Rollout,
-    SplinesPlanner,
-    has_memory,
-    shipped_memory,
-    unverified,
-    with_memory,
+    HybridPlanner as HybridPlanner,
+    RecallPlanner as RecallPlanner,
+    Recollection as Recollection,
+    Rollout as Rollout,
+    SplinesPlanner as SplinesPlanner,
+    has_memory as has_memory,
+    shipped_memory as shipped_memory,
+    unverified as unverified,
+    with_memory as with_memory,
 )
-from gcm_learn.recall.raw_features import Scale
-from gcm_learn.recall.store import Entry, Memory
-from gcm_learn.recall.waypoints import Waypoints, passing, passing_of, path_of, ring_share
+from gcm_learn.recall.raw_features import Scale as Scale
+from gcm_learn.recall.store import Entry as Entry, Memory as Memory
+from gcm_learn.recall.waypoints import (
+    Waypoints as Waypoints,
+    passing as passing,
+    passing_of as passing_of,
+    path_of as path_of,
+    ring_share as ring_share,
+)
 
 if TYPE_CHECKING:
-    from gcm_learn.recall.training import Effort, Trainer, write_model
-    from gcm_learn.recall.transfer_labels import Best, Labels, TransferLabels
+    from gcm_learn.recall.training import (
+        Effort as Effort,
+        Trainer as Trainer,
+        write_model as write_model,
+    )
+    from gcm_learn.recall.transfer_labels import (
+        Best as Best,
+        Labels as Labels,
+        TransferLabels as TransferLabels,
+    )
 
 # Loaded when they are asked for: they need pyarrow or torch.
-__getattr__ = late_names(
+__getattr__ = late.late_names(
     __name__,
     {
         "training": ("Effort", "Trainer", "write_model"),
         "transfer_labels": ("Best", "Labels", "TransferLabels"),
     },
 )
-
-__all__ = [
-    "Adaptation",
-    "Best",
-    "CONFIG",
-    "Effort",
-    "Encoder",
-    "EncoderConfig",
-    "Entry",
-    "HybridPlanner",
-    "Index",
-    "Labels",
-    "LearnedIndex",
-    "MANIFEST",
-    "MEMORIES",
-    "Memory",
-    "PcaIndex",
-    "RandomIndex",
-    "RawIndex",
-    "RecallPlanner",
-    "Recollection",
-    "Rollout",
-    "Scale",
-    "SplinesPlanner",
-    "Trainer",
-    "Sizes",
-    "TransferLabels",
-    "Waypoints",
-    "adapt",
-    "has_memory",
-    "index_class",
-    "is_memory",
-    "load_encoder",
-    "map_picture",
-    "nearest_rows",
-    "passing",
-    "passing_of",
-    "path_of",
-    "raw_features",
-    "remember",
-    "ring_share",
-    "save_encoder",
-    "shipped_memory",
-    "transfer",
-    "unverified",
-    "waypoints_of",
-    "with_memory",
-    "write_model",
-]

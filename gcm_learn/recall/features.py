@@ -17,8 +17,7 @@ from gcm_learn.arms import SpatialArm
 from gcm_learn.charts import PostureLattice
 from gcm_learn.compiled import njit
 from gcm_learn.maps import CognitiveMap, build_map
-from gcm_learn.recall.joint_moves import EARLIEST, TIME
-from gcm_learn.recall.joint_moves import KNOTS as JOINT_KNOTS
+from gcm_learn.recall.joint_moves import EARLIEST, KNOTS as JOINT_KNOTS, TIME
 from gcm_learn.recall.waypoints import GOAL
 from gcm_learn.situation import Situation, canonical
 from gcm_learn.wave import MarchingParams

@@ -14,8 +14,7 @@ import numpy as np
 from gcm_learn.arms import SPATIAL, ByKind
 from gcm_learn.arms.chain_frames import PRISMATIC, line_of, parent_of
 from gcm_learn.arms.chain_limb import ChainLimb, place
-from gcm_learn.arms.limbs import hand_of
-from gcm_learn.arms.limbs import place as place_of
+from gcm_learn.arms.limbs import hand_of, place as place_of
 from gcm_learn.arms.spatial_limb import SpatialLimb
 from gcm_learn.compiled import njit
 from gcm_learn.dispatch import by_type

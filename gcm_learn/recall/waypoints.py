@@ -21,11 +21,9 @@ from gcm_learn.compiled import njit
 from gcm_learn.motion import Movement, opening
 from gcm_learn.motion.timing import segment_times
 from gcm_learn.planners import study_of
-from gcm_learn.recall.hand_paths import ANGLE, RING
-from gcm_learn.recall.hand_paths import KNOTS as HAND_KNOTS
+from gcm_learn.recall.hand_paths import ANGLE, KNOTS as HAND_KNOTS, RING
 from gcm_learn.recall.headings import heading_of
-from gcm_learn.recall.joint_moves import KNOTS as JOINT_KNOTS
-from gcm_learn.recall.joint_moves import centre_of, least_times
+from gcm_learn.recall.joint_moves import KNOTS as JOINT_KNOTS, centre_of, least_times
 from gcm_learn.scene import pack
 from gcm_learn.scene.bodies import HAND, PART, pose_at
 from gcm_learn.scene.packing import pack_bodies

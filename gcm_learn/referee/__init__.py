@@ -7,25 +7,18 @@
 Its geometry is its own, in plain numpy.  ``python -m gcm_learn.referee`` judges files.
 """
 
-from gcm_learn.referee.contact import Motion, nearest_obstacle, overlap
-from gcm_learn.referee.judging import Verdict, examine, judge, judge_files, models_of
-from gcm_learn.referee.kinds import Arm, arm_of
-from gcm_learn.referee.motions import Body, bodies_of
-from gcm_learn.referee.tolerances import Complaint, Unreadable
-
-__all__ = [
-    "Arm",
-    "Body",
-    "Complaint",
-    "Motion",
-    "Unreadable",
-    "Verdict",
-    "arm_of",
-    "bodies_of",
-    "examine",
-    "judge",
-    "judge_files",
-    "models_of",
-    "nearest_obstacle",
-    "overlap",
-]
+from gcm_learn.referee.contact import (
+    Motion as Motion,
+    nearest_obstacle as nearest_obstacle,
+    overlap as overlap,
+)
+from gcm_learn.referee.judging import (
+    Verdict as Verdict,
+    examine as examine,
+    judge as judge,
+    judge_files as judge_files,
+    models_of as models_of,
+)
+from gcm_learn.referee.kinds import Arm as Arm, arm_of as arm_of
+from gcm_learn.referee.motions import Body as Body, bodies_of as bodies_of
+from gcm_learn.referee.tolerances import Complaint as Complaint, Unreadable as Unreadable

@@ -22,8 +22,6 @@ from gcm_learn.situation.laws import FORMATS, Format
 from gcm_learn.situation.motion import Pendulum, PlanarQuadratic, SolidQuadratic
 from gcm_learn.situation.shapes import (
     PLANAR as FLAT,
-)
-from gcm_learn.situation.shapes import (
     SOLID,
     Box,
     Capsule,

@@ -12,9 +12,13 @@ from gcm_learn.charts import Cube, Lattice, Nodes, PulledNodes, hand_space, ring
 from gcm_learn.collision import WORK, desk_of
 from gcm_learn.motion import fastest_hand
 from gcm_learn.scene import Scene
-from gcm_learn.wave import agenda, layered, marching
-from gcm_learn.wave import posture_marching as space
-from gcm_learn.wave import posture_steps as steps
+from gcm_learn.wave import (
+    agenda,
+    layered,
+    marching,
+    posture_marching as space,
+    posture_steps as steps,
+)
 from gcm_learn.wave.front import Front, all_arrivals, first_arrivals
 from gcm_learn.wave.kernels import CONTACT, FROZEN
 from gcm_learn.wave.limits import fastest_in_plane, hand_of, postures, terms_of, turns_of

@@ -6,8 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import assume, given
-from hypothesis import strategies as st
+from hypothesis import assume, given, strategies as st
 
 from gcm_learn.arms import SIDE, Arm
 from gcm_learn.charts import Lattice, extended_obstacle, occupied_cells

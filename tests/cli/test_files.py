@@ -6,8 +6,7 @@ import os
 from pathlib import Path
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from gcm_learn.cli.failures import CommandFailure
 from gcm_learn.cli.files import FileNames, made_folder, output, staged

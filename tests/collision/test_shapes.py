@@ -16,8 +16,7 @@ from gcm_learn.collision.solids import bone_distance, point_distance
 from gcm_learn.execution.body.model import GEOMS
 from gcm_learn.families.random_solid import random_rotation
 from gcm_learn.rendering.solids import MESHES
-from gcm_learn.scene import Bodies, no_bodies
-from gcm_learn.scene import bodies as k
+from gcm_learn.scene import Bodies, bodies as k, no_bodies
 from gcm_learn.scene.shapes import ball, box, capsule, choice, cylinder, polygon
 from gcm_learn.scene.shapes.choice import ENTRIES
 from gcm_learn.scene.shapes.region import EMPTY_DISTANCE

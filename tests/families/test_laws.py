@@ -6,8 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from gcm_learn import seeding
-from gcm_learn import situation as records
+from gcm_learn import seeding, situation as records
 from gcm_learn.arms import Arm
 from gcm_learn.families import draw, family_names, get_family, layout
 from gcm_learn.families.pieces import UPRIGHT, Piece, SpaceRanges, planar_body, solid_body

@@ -9,8 +9,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from gcm_learn.errors import FileFormatError
-from gcm_learn.outside import TableTennis
-from gcm_learn.outside import ball_flight as flight
+from gcm_learn.outside import TableTennis, ball_flight as flight
 from gcm_learn.outside.table_tennis import FIELDS, facing
 from tests.geometry import poses
 from tests.outside.conftest import DATA

@@ -8,8 +8,7 @@ import pkgutil
 import pytest
 
 from gcm_learn import build_map, get_planner, solve
-from gcm_learn.arms import SPATIAL as SPATIAL_KIND
-from gcm_learn.arms import kinds
+from gcm_learn.arms import SPATIAL as SPATIAL_KIND, kinds
 from gcm_learn.cli import main
 from gcm_learn.errors import ArmKindError
 from gcm_learn.execution import Settings, pool_for, pool_of

@@ -12,8 +12,7 @@ import tempfile
 from pathlib import Path
 
 import pytest
-from hypothesis import assume, given, settings
-from hypothesis import strategies as st
+from hypothesis import assume, given, settings, strategies as st
 
 from gcm_learn import solve
 from gcm_learn.arms import Base, SpatialArm
@@ -30,8 +29,7 @@ from gcm_learn.situation import (
 from tests import strategies
 from tests.judging import judge
 from tests.planners.test_fuzz import answered, numbers, solid, wild, wild_horizons
-from tests.situation.scenes import MOVING, PLANAR
-from tests.situation.scenes import SOLID as IN_PLANE
+from tests.situation.scenes import MOVING, PLANAR, SOLID as IN_PLANE
 from tests.situation.test_fuzz_reader import paths, spoiled_objects
 
 QUICK = ["search", "straight", "straight-wait"]

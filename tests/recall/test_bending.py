@@ -10,12 +10,10 @@ from gcm_learn.planners import Problem, checked
 from gcm_learn.planners.baselines.straight import StraightPlanner
 from gcm_learn.recall import hand_pushes
 from gcm_learn.recall.adaptation import INSTANTS, query_of
-from gcm_learn.recall.freeing import free as freed
-from gcm_learn.recall.freeing import quick_check
+from gcm_learn.recall.freeing import free as freed, quick_check
 from gcm_learn.recall.hand_paths import check, hand_work
 from gcm_learn.recall.meeting import adapt_to_targets
-from gcm_learn.recall.styles import HURRY, Style
-from gcm_learn.recall.styles import POLAR as POLAR_SPACE
+from gcm_learn.recall.styles import HURRY, POLAR as POLAR_SPACE, Style
 from gcm_learn.recall.waypoints import EARLIEST, TIME
 from gcm_learn.scene.bodies import poses_at
 from tests.recall.conftest import stacked

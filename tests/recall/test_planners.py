@@ -2,8 +2,7 @@
 
 import pytest
 
-from gcm_learn import get_planner, seeding, solve
-from gcm_learn import recall as recalling
+from gcm_learn import get_planner, recall as recalling, seeding, solve
 from gcm_learn.errors import RecallError
 from gcm_learn.families.random_planar import random_planar
 from gcm_learn.families.random_solid import random_solid

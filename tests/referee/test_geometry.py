@@ -7,8 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import minimize
 
-from gcm_learn.referee import arm_of as arm_in
-from gcm_learn.referee import bodies_of, judge
+from gcm_learn.referee import arm_of as arm_in, bodies_of, judge
 from gcm_learn.referee.shapes import inside
 from tests import geometry
 from tests.referee import answers

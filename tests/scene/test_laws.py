@@ -5,13 +5,11 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from gcm_learn import situation as records
 from gcm_learn.arms import SpatialArm, rotation_of
-from gcm_learn.scene import bodies as k
-from gcm_learn.scene import later, pack_bodies
+from gcm_learn.scene import bodies as k, later, pack_bodies
 from gcm_learn.scene.packing import pose
 from gcm_learn.situation.timed_motion import flown
 from tests import strategies

@@ -5,11 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
-from gcm_learn import seeding
-from gcm_learn import situation as records
+from gcm_learn import seeding, situation as records
 from gcm_learn.arms import Arm, rotation_of
 from gcm_learn.errors import SituationError
 from gcm_learn.families.random_solid import random_rotation, random_solid

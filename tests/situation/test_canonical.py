@@ -5,11 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
-from gcm_learn import rng as generator
-from gcm_learn import solve
+from gcm_learn import rng as generator, solve
 from gcm_learn.arms import quaternion_of, rotation_of
 from gcm_learn.families import random_planar
 from gcm_learn.families.random_solid import random_rotation, random_solid

@@ -6,8 +6,7 @@ import tempfile
 from pathlib import Path
 
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from gcm_learn.errors import FileFormatError
 from gcm_learn.situation import read_situations, situation_from_json, situation_to_json

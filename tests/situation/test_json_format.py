@@ -8,8 +8,7 @@ import sys
 import pytest
 from hypothesis import given, settings
 
-from gcm_learn import artifacts
-from gcm_learn import situation as records
+from gcm_learn import artifacts, situation as records
 from gcm_learn.arms import Arm
 from gcm_learn.errors import FileFormatError, SituationError
 from tests import refusals, strategies

@@ -6,11 +6,9 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
-from gcm_learn import situation
-from gcm_learn import situation as records
+from gcm_learn import situation, situation as records
 from gcm_learn.arms import Base, Chain, ChainJoint, ChainModel, Hand, Link, SpatialArm, hands_along
 from gcm_learn.errors import FileFormatError, SituationError
 from gcm_learn.scene import pack

@@ -11,8 +11,7 @@ from gcm_learn.arms.planar_limb import joint_angles
 from gcm_learn.charts.lattice import hand_space
 from gcm_learn.situation import Situation
 from gcm_learn.wave import MarchingParams, WaveParams, fastest
-from gcm_learn.wave.causal import march_in_plane as march
-from gcm_learn.wave.causal import march_layers_in_plane as march_layers
+from gcm_learn.wave.causal import march_in_plane as march, march_layers_in_plane as march_layers
 from gcm_learn.wave.reference import propagate_reference
 from gcm_learn.wave.solver import propagate_in_plane as propagate
 from tests.wave.scenes import disc, earliest, scene, setting_of

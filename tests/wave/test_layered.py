@@ -10,8 +10,7 @@ from gcm_learn.charts.extended import occupied_cells
 from gcm_learn.charts.lattice import hand_space
 from gcm_learn.families.random_planar import random_planar
 from gcm_learn.wave import MarchingParams
-from gcm_learn.wave.causal import march_in_plane as march
-from gcm_learn.wave.causal import march_layers_in_plane as march_layers
+from gcm_learn.wave.causal import march_in_plane as march, march_layers_in_plane as march_layers
 from tests.wave.scenes import SPEED, away, disc, earliest, scene, setting_of, state_of, three_discs
 
 N = 48

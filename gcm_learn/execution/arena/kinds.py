@@ -10,14 +10,18 @@ import numpy as np
 
 from gcm_learn.arms import CHAIN, PLANAR, SPATIAL, ByKind, Chain, ChainModel, limb_of_chain
 from gcm_learn.errors import ArenaError
-from gcm_learn.execution.arena.kernels.hands import observation as hand_observation
-from gcm_learn.execution.arena.kernels.hands import scene as hand_scene
+from gcm_learn.execution.arena.kernels.hands import (
+    observation as hand_observation,
+    scene as hand_scene,
+)
 from gcm_learn.execution.arena.kernels.hands.nearness import RAY, RAYS
 from gcm_learn.execution.arena.kernels.hands.stepping import observe_all, play
-from gcm_learn.execution.arena.kernels.joints import chains
-from gcm_learn.execution.arena.kernels.joints import fan as joint_fan
-from gcm_learn.execution.arena.kernels.joints import observation as joint_observation
-from gcm_learn.execution.arena.kernels.joints import scene as joint_scene
+from gcm_learn.execution.arena.kernels.joints import (
+    chains,
+    fan as joint_fan,
+    observation as joint_observation,
+    scene as joint_scene,
+)
 from gcm_learn.execution.arena.kernels.joints.observation import CHAIN_KERNELS, SPATIAL_KERNELS
 from gcm_learn.execution.arena.kernels.joints.spatial import START
 from gcm_learn.execution.arena.kernels.world import State, World, fields_in_rows

@@ -10,10 +10,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from gcm_learn.arms import SpatialArm
+from gcm_learn.errors import UnknownNameError
 from gcm_learn.families import paper
-from gcm_learn.families.paper import EARTH
+from gcm_learn.families.paper import EARTH, PAPER_SCENES
 from gcm_learn.families.ranges import Range, Ranges, number, pick, span
-from gcm_learn.situation import Body, Box, Capsule, Situation, SolidQuadratic, Sphere
+from gcm_learn.situation import AnySituation, Body, Box, Capsule, Situation, SolidQuadratic, Sphere
 
 Matrix = tuple[tuple[float, float], ...]
 
@@ -174,3 +175,11 @@ SPATIAL_SCENES: dict[str, Callable[[], Situation[SpatialArm]]] = {
     "fig5-space": fig5_space,
     "fig8-space": fig8_space,
 }
+
+
+def paper_scene(name: str) -> AnySituation:
+    """The scene of one of the paper's figures, e.g. ``paper_scene("fig4")`` or ``"fig8-space"``."""
+    scene = SPATIAL_SCENES.get(name) or PAPER_SCENES.get(name)
+    if scene is None:
+        raise UnknownNameError.among("scene", name, [*PAPER_SCENES, *SPATIAL_SCENES])
+    return scene()

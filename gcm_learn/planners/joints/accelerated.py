@@ -24,8 +24,7 @@ from gcm_learn.motion.joint_verification import NOTHING, piece_fault
 from gcm_learn.planners.completion import Attempt, SpatialProblem, checked
 from gcm_learn.planners.joints.goals import CENTRE, Goals, add_goals
 from gcm_learn.planners.plan import Plan
-from gcm_learn.scene.bodies import HAND as TARGET
-from gcm_learn.scene.bodies import PART
+from gcm_learn.scene.bodies import HAND as TARGET, PART
 from gcm_learn.situation import Situation
 
 PACES = (

@@ -6,8 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from gcm_learn import families
-from gcm_learn import situation as records
+from gcm_learn import families, situation as records
 from gcm_learn.execution import Perception
 from gcm_learn.execution.loop.kinds import LEADS
 from gcm_learn.rendering import body_poses
