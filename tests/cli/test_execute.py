@@ -19,7 +19,7 @@ from gcm_learn.situation import (
     shipped_arm,
     write_situations,
 )
-from tests.policies.test_in_space import straight_actor
+from tests.policies.conftest import straight_in_space
 
 
 @pytest.fixture
@@ -168,7 +168,7 @@ def actor(tmp_path, monkeypatch):
     """The name of an actor of the user's own that goes straight."""
     folder = tmp_path / "models" / "goes-straight"
     folder.mkdir(parents=True)
-    straight_actor(145).save(folder)
+    straight_in_space().save(folder)
     monkeypatch.setenv("GCM_LEARN_MODELS", str(tmp_path / "models"))
     return "goes-straight"
 
