@@ -234,7 +234,7 @@ class CatchArm3D(OneArm):
     end   with ``settings={"fan": True}``, a frame of actions, four unit -1 ... 1       action
           vectors: the action at 61, what moves the elbow and not the
           hand, what moves the hand outward, what is orthogonal (4 x 4)
-    end   then of 30 actions (see `execution.arena.kernels.joints.fan`: that at 61,
+    end   then of 30 actions (see `fan.py` among kernels of joints: that at 61,
           turned towards the others, half of it, rest), 3 each:
     +0    how long the limb is free on it, 1.2 are looked at             0 ... 1.2      time
     +1    least clearance until then, 0 if it touches                    0 ... 0.15     reach

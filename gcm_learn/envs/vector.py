@@ -119,7 +119,7 @@ class ManyArms(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
 
 
 class CatchArms(ManyArms):
-    """Many `CatchArm`s in compiled code, step by step equal to single ones.
+    """Many arms of `CatchArm` in compiled code, step by step equal to single ones.
 
     ``gymnasium.make_vec("gcm_learn:CatchArm-v0", num_envs=64,
     vectorization_mode="vector_entry_point")`` makes it. Actions, observations, rewards,

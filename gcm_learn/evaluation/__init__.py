@@ -8,7 +8,7 @@
 
 from typing import TYPE_CHECKING
 
-from gcm_learn.late import late_names
+from gcm_learn import late
 
 if TYPE_CHECKING:
     from gcm_learn.evaluation.asking import ask as ask, asked_for as asked_for
@@ -57,7 +57,7 @@ if TYPE_CHECKING:
     )
 
 # Loaded when they are asked for, so that wrong arguments are refused soon.
-__getattr__ = late_names(__name__, {
+__getattr__ = late.late_names(__name__, {
     "asking": ("ask", "asked_for",),
     "sources": ("Case", "cases", "check_sources", "suite_lines",),
     "conditions": ("Condition", "after",),
