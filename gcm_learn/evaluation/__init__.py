@@ -40,13 +40,11 @@ if TYPE_CHECKING:
     )
     from gcm_learn.evaluation.statistics import (
         Interval as Interval,
-        beyond_chance as beyond_chance,
         chance as chance,
         difference as difference,
         hierarchical as hierarchical,
         holm as holm,
         mcnemar as mcnemar,
-        stratified as stratified,
         wilson as wilson,
     )
     from gcm_learn.evaluation.suites import (
@@ -67,7 +65,7 @@ __getattr__ = late.late_names(__name__, {
     "measures": ("Table", "pairs", "ready", "shares",),
     "report": ("page",),
     "sheet": ("Sheet",),
-    "statistics": ("Interval", "beyond_chance", "chance", "difference", "hierarchical",
-        "holm", "mcnemar", "stratified", "wilson",),
+    "statistics": ("Interval", "chance", "difference", "hierarchical",
+        "holm", "mcnemar", "wilson",),
     "suites": ("FROZEN", "SHIPPED", "draw_suite", "hash_of",),
 })  # fmt: skip

@@ -11,8 +11,6 @@ from gcm_learn.seeding import rng
 
 DRAWS = 2000  # of a bootstrap
 FEW = 100  # fewer situations are not drawn again within groups: small groups hardly vary
-LEVEL = 0.05
-"""Probability below which a difference counts as more than chance."""
 SMALLEST = 1e-99  # least reported probability; smaller ones are not accurate
 
 
@@ -32,25 +30,6 @@ def wilson(hits: int, n: int) -> Interval:
         return Interval(float("nan"), 0.0, 1.0)
     low, high = binomtest(hits, n).proportion_ci(method="wilson")
     return Interval(hits / n, float(low), float(high))
-
-
-def stratified(hits: np.ndarray, groups: np.ndarray) -> Interval:
-    """A share with its bootstrap interval, resampled within groups; Wilson's if they are few.
-
-    Parameters
-    ----------
-    hits : (n,) ndarray of bool
-    groups : (n,) ndarray
-        Group of each, e.g. family.
-    """
-    if len(hits) < FEW:
-        return wilson(int(hits.sum()), len(hits))
-    source, total = rng(0, len(hits)), np.zeros(DRAWS)
-    for group in np.unique(groups):
-        here = hits[groups == group]
-        total += source.binomial(len(here), here.mean(), size=DRAWS)
-    low, high = np.percentile(total / len(hits), [2.5, 97.5])
-    return Interval(float(hits.mean()), float(low), float(high))
 
 
 def chance(p: float) -> str:
@@ -79,24 +58,6 @@ def mcnemar(first: np.ndarray, second: np.ndarray) -> tuple[int, int, float]:
 
     b, c = int(np.sum(first & ~second)), int(np.sum(second & ~first))
     return b, c, float(binomtest(b, b + c).pvalue) if b + c else 1.0
-
-
-def beyond_chance(found: Interval, p: float) -> str:
-    """Return "yes" or "no" by the exact test, and a note where the interval reads otherwise.
-
-    Intervals are approximate, the test is exact: with few situations that only one of two caught,
-    an interval may leave 0 out although chance would do.
-
-    Parameters
-    ----------
-    found : Interval
-        Of a difference.
-    p : float
-        Of McNemar's test of the same pairs.
-    """
-    said = "yes" if p < LEVEL else "no"
-    apart = found.low > 0.0 or found.high < 0.0
-    return said if apart == (p < LEVEL) else f"{said} (exact test; the interval is approximate)"
 
 
 def holm(chances: Sequence[float]) -> list[float]:

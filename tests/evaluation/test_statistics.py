@@ -8,13 +8,11 @@ import numpy as np
 import pytest
 
 from gcm_learn.evaluation.statistics import (
-    beyond_chance,
     chance,
     difference,
     hierarchical,
     holm,
     mcnemar,
-    stratified,
     wilson,
 )
 from gcm_learn.seeding import rng as rng_of
@@ -75,11 +73,6 @@ def test_pairs_stay_together(rng):
     assert difference(numbers + 0.1, numbers, alone) == pytest.approx((0.1, 0.1, 0.1))
 
 
-def test_a_share_is_drawn_within_its_groups():
-    groups = np.repeat(["a", "b"], [30, 90])
-    assert stratified(groups == "a", groups) == (0.25, 0.25, 0.25)
-
-
 @pytest.mark.parametrize("seed", range(3))
 def test_bootstraps_are_as_wide_as_theory_says(seed):
     """Large groups of unequal size and share: 1.96 deviations of a sum of binomials, both ways."""
@@ -87,10 +80,10 @@ def test_bootstraps_are_as_wide_as_theory_says(seed):
     hits = rng_of(seed).random(2000) < np.where(groups == "a", 0.5, 0.2)
     variance = sum(np.sum(groups == g) * hits[groups == g].var() for g in "ab")
     half = 1.96 * np.sqrt(variance) / len(hits)
-    for found in (stratified(hits, groups), difference(hits, np.zeros(2000), groups, seed)):
-        assert found.value == hits.mean()
-        assert found.high - found.value == pytest.approx(half, rel=0.12)
-        assert found.value - found.low == pytest.approx(half, rel=0.12)
+    found = difference(hits, np.zeros(2000), groups, seed)
+    assert found.value == hits.mean()
+    assert found.high - found.value == pytest.approx(half, rel=0.12)
+    assert found.value - found.low == pytest.approx(half, rel=0.12)
 
 
 def test_a_few_pairs_have_the_interval_of_the_books():
@@ -109,21 +102,6 @@ def test_a_few_pairs_never_have_an_interval_of_no_width():
     assert found.low < -0.2 and found.high > 0.0 and mcnemar(first, np.ones(22, bool))[2] == 0.5
     alike = difference(first, first, families)
     assert alike.low < 0.0 < alike.high
-    assert stratified(first, families) == wilson(20, 22)
-
-
-@pytest.mark.parametrize(
-    ("only_first", "both", "said"),
-    [(4, 2, "no (exact test; the interval is approximate)"), (2, 4, "no"), (12, 2, "yes")],
-)
-def test_the_exact_test_decides_where_it_differs_from_the_interval(only_first, both, said):
-    """Of six pairs, four that only one caught: the interval leaves 0 out, but p is 0.125."""
-    first = np.ones(only_first + both, bool)
-    second = np.arange(only_first + both) >= only_first
-    found, p = difference(first, second, np.zeros(len(first))), mcnemar(first, second)[2]
-    assert beyond_chance(found, p) == said
-    turned = difference(second, first, np.zeros(len(first)))
-    assert beyond_chance(turned, p) == said
 
 
 def test_intervals_of_few_pairs_cover_as_often_as_they_say(rng):

@@ -49,7 +49,7 @@ def test_the_controller_of_a_heavy_arm_does_not_know_how_heavy_it_is():
     scene = paper_scene("fig8-space")
     body = body_for(scene.arm)
     situation = with_motor_limits(scene, body)
-    plan = solve(situation, "layered")
+    plan = solve(situation, "search")
     heavy, known = (
         masses.followed(plan, situation, "heavy"),
         masses.followed(plan, situation, "known"),
