@@ -60,7 +60,7 @@ def cell(name: str, value: Any) -> str:
         middle, low, high = (100.0 * one for one in value)
         if "points" in name:
             return f"{middle:+.1f} ({low:+.1f} to {high:+.1f})"
-        return f"{middle:.1f} ({low:.0f}–\u2060{high:.0f})"
+        return f"{middle:.1f} ({low:.0f}–{high:.0f})"
     if value is None or (isinstance(value, float) and not math.isfinite(value)):
         return "–"
     if isinstance(value, (int, np.integer)):
