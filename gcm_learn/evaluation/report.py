@@ -81,7 +81,7 @@ def verdict(sheet: Sheet) -> str:
     text += f", thinking for {times[best]:.3g} ms (median)."
     equals = [name for name in share if share[name] == share[best] and name != best]
     if equals:
-        text += f" As much catch {', '.join(equals)}."
+        text += f" Just as many: {', '.join(equals)}."
     quick = [name for name in share if times[name] <= QUICK]
     if quick and best not in quick:
         first = max(quick, key=lambda name: share[name])
