@@ -255,7 +255,7 @@ def test_a_catch_without_a_stop_is_refused_in_one_line(tmp_path, capsys, monkeyp
     assert main([*argv, "--no-stop"]) == 0
 
 
-LIMITED = ("gcm", "marching", "straight", "straight-wait", "st-rrt-star")
+LIMITED = ("marching", "straight", "straight-wait", "st-rrt-star")
 
 
 @pytest.mark.parametrize("name", planner_params(LIMITED))

@@ -15,7 +15,7 @@ from gcm_learn.situation import situation_from_json, situation_to_json
 from tests.judging import judge
 
 FORMAT = "gcm-learn/situation@3"
-QUICK, OTHERS = ("search", "straight", "recall"), ("straight-wait", "gcm", "marching", "hybrid")
+QUICK, OTHERS = ("search", "straight", "recall"), ("straight-wait", "marching", "hybrid")
 PLANNERS = [*QUICK, *(pytest.param(name, marks=pytest.mark.slow) for name in OTHERS)]
 FAMILIES = {CHAIN: "throw-chain", SPATIAL: "falling-space"}
 

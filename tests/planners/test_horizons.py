@@ -83,7 +83,7 @@ def delayed(family, wait):
 JOINTS = ("static-clutter-space", "conveyor-chain")
 LATE = [(family, planner) for family in JOINTS for planner in ("recall", "search", "straight")]
 LATE += [("moving-point", planner) for planner in (*QUICK, "gcm")]
-SLOW = [*product(JOINTS, ("gcm", "hybrid", "marching", "straight-wait"))]
+SLOW = [*product(JOINTS, ("hybrid", "marching", "straight-wait"))]
 SLOW += [*product(["moving-point"], sorted({*PLANNERS} - {*QUICK, "gcm"}))]
 
 

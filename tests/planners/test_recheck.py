@@ -29,7 +29,7 @@ def solid_case():
 @pytest.fixture(scope="module")
 def spatial_case():
     situation = thrown_scene()
-    return situation, solve(situation, "layered")
+    return situation, solve(situation, "search")
 
 
 def with_way(plan, time, hand, **changes):

@@ -47,9 +47,9 @@ def situation(request):
 
 
 def test_the_search_ends_and_says_why(situation):
-    plan = solve(situation, "layered")
+    plan = solve(situation, "search")
     assert plan.failure is Failure.OUT_OF_WORK
-    again = solve(situation, "layered")
+    again = solve(situation, "search")
     assert (again.message, again.nodes) == (plan.message, plan.nodes)
 
 
@@ -62,7 +62,7 @@ def test_slower_needles_are_planned_for(situation):
     needle = situation.bodies[-1]
     spin = 1.0 if isinstance(needle.motion, PlanarQuadratic) else (0.0, 0.0, 1.0)
     calm = replace(needle, motion=replace(needle.motion, spin=spin))
-    plan = solve(replace(situation, bodies=(*situation.targets, calm)), "layered")
+    plan = solve(replace(situation, bodies=(*situation.targets, calm)), "search")
     assert plan.failure is not Failure.OUT_OF_WORK
 
 
