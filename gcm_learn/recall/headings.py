@@ -32,11 +32,6 @@ class Heading(NamedTuple):
     origin: np.ndarray  # (3,): a point on the first joint's axis
     shift: np.ndarray  # (n,): joints that are 0 in it [rad]
 
-    def points(self, points: np.ndarray) -> np.ndarray:
-        """Points (..., 3) of the base's frame in this one."""
-        turned: np.ndarray = (points - self.origin) @ self.rows.T
-        return turned
-
 
 @njit(_nrt=False)
 def nearest_target(scene, poses):

@@ -163,8 +163,8 @@ def joint_waypoints(situation: Situation[Any], path: Movement, body: int) -> Way
     least = least_times(study_of(scene, opening(scene).rules), at)
     heading = heading_of(scene.limb, scene)
     knots = _knots(at - heading.shift, time, (SLOW if path.rates is None else RESTS) * least)
-    hand = heading.points(frame.canonical(path.hand[-1]))
-    centre = heading.points(centre_of(scene.bodies, body, path.duration))
+    places = frame.canonical(path.hand[-1]), centre_of(scene.bodies, body, path.duration)
+    hand, centre = (np.stack(places) - heading.origin) @ heading.rows.T
     goal = np.concatenate([centre, hand - centre]) / situation.arm.reach
     return Waypoints(knots, goal.astype(np.float32))
 
