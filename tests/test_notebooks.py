@@ -12,7 +12,7 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 NOTEBOOKS = sorted((ROOT / "docs" / "notebooks").glob("*.py"))
-PICTURES = {"01": 1, "02": 1, "03": 0, "04": 1, "05": 2, "06": 1, "07": 1, "08": 1}
+PICTURES = {"01": 1, "02": 1, "03": 0, "04": 1, "05": 1, "06": 1, "07": 1, "08": 1}
 NEEDS = {
     "02": "pyarrow",
     "03": "pyarrow",

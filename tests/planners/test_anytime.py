@@ -127,7 +127,7 @@ def test_a_deadline_takes_the_place_of_the_limits_of_work(monkeypatch):
 
 
 def test_names_take_deadlines():
-    planner = get_planner("layered")
+    planner = get_planner("search")
     assert planner.anytime and not getattr(get_planner("straight"), "anytime", False)
     for situation in (PLANE[0], SPACE[0]):
         assert planner.plan(situation, deadline=0.0).status in ("caught", "unreachable")
