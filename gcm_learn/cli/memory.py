@@ -30,7 +30,7 @@ class Make:
     """folder for the memory"""
 
     index: Annotated[str, arg(metavar="NAME")] = "raw"
-    """how memories are found again: raw, change, pca or random, or the folder of an encoder"""
+    """how memories are found again: raw, pca or random, or the folder of an encoder"""
 
     planner: Annotated[str | None, given("NAME", "the earliest of all")] = None
     """whose catches are remembered"""

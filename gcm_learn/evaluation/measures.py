@@ -156,9 +156,8 @@ def pairs(
                 continue
             rows.append((*key, f"{first} – {second}", *_pair(mine, other, first, second)))
     chances = holm([row[-1] for row in rows])
-    told = ("pair", "situations", "difference [points]", "only first", "only second", "p")
-    told = (*told, "p (Holm)")  # type: ignore[assignment]
-    return Table((*names, *told), [(*row, p) for row, p in zip(rows, chances, strict=True)])
+    told = ("situations", "difference [points]", "only first", "only second", "p", "p (Holm)")
+    return Table((*names, "pair", *told), [(*row, p) for row, p in zip(rows, chances, strict=True)])
 
 
 def _pair(mine: Sheet, other: Sheet, first: str, second: str) -> tuple[Any, ...]:

@@ -7,6 +7,7 @@ import math
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -47,18 +48,18 @@ class View:
     out: Path
     marked: Sequence[str]
 
-    @property
+    @cached_property
     def plain(self) -> Sheet:
         """Rows under the first condition."""
         first = {name: self.sheet.each(name)[0] for name in measures.UNDER}
         return self.sheet.where(**first)
 
-    @property
+    @cached_property
     def names(self) -> list[str]:
         """Entrants, in order of appearance."""
         return self.sheet.each("entrant")
 
-    @property
+    @cached_property
     def colours(self) -> dict[str, Any]:
         """Colours of entrants."""
         return figures.colours_of(self.names)
@@ -67,7 +68,7 @@ class View:
         """Yield headings and reachable rows: by suite, or by stratum where there is one suite."""
         there = sheet.reachable
         by = "suite" if len(there.each("suite")) > 1 else "stratum"
-        names = sorted(there.each(by), key=STRATA.index) if by == "stratum" else there.each(by)
+        names = _in_order(there) if by == "stratum" else there.each(by)
         for name in names:
             part = there.where(**{by: name})
             count = len(set(part["key"].tolist()))
@@ -78,6 +79,12 @@ class View:
         """Return the place of a figure in the page, with the caption of its name."""
         caption = WORDS["captions"][name].format(about=about, reference=self.reference)
         return pages.picture_within(figure, caption)
+
+
+def _in_order(sheet: Sheet) -> list[str]:
+    """Return the strata of a sheet in the order of `STRATA`; a user's own come last."""
+    strata: list[str] = sheet.each("stratum")
+    return sorted(strata, key=lambda s: STRATA.index(s) if s in STRATA else len(STRATA))
 
 
 def opening(view: View) -> list[pages.Picture]:
@@ -162,7 +169,7 @@ def _curves(part: Sheet) -> dict[str, tuple[np.ndarray, np.ndarray]]:
 
 def _strata(view: View) -> Part:
     """Right answers by stratum, where strata are known."""
-    strata = sorted(view.plain.each("stratum"), key=lambda s: STRATA.index(s) if s in STRATA else 9)
+    strata = _in_order(view.plain)
     if strata == [""]:
         return Part()
     headings = [f"{s or 'unknown'}{' declined' * (s == 'U')} [%]" for s in strata]
