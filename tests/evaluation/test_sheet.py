@@ -210,3 +210,12 @@ def test_the_page_shows_what_there_is(suite, tmp_path):
     assert [path.name for path in (tmp_path / "page").iterdir()] == ["index.html"]
     alone = ask(["straight"], cases(suite)[-1:])
     assert "None of these" in page(alone, tmp_path / "alone").read_text("utf-8")
+
+
+def test_the_page_takes_strata_of_the_readers_own(suite, tmp_path):
+    from gcm_learn.evaluation import cases
+
+    own = suite.read_text("utf-8").replace('"stratum": "L"', '"stratum": "hard"', 1)
+    suite.write_text(own, "utf-8")
+    text = page(ask(["straight"], cases(suite)), tmp_path).read_text("utf-8")
+    assert text.index("L [%]") < text.index("hard [%]")
