@@ -81,10 +81,10 @@ class View:
         return pages.picture_within(figure, caption)
 
 
-def _in_order(sheet: Sheet) -> list[str]:
+def _in_order(sheet: Sheet) -> list[Any]:
     """Return the strata of a sheet in the order of `STRATA`; a user's own come last."""
-    strata: list[str] = sheet.each("stratum")
-    return sorted(strata, key=lambda s: STRATA.index(s) if s in STRATA else len(STRATA))
+    order = {stratum: place for place, stratum in enumerate(STRATA)}
+    return sorted(sheet.each("stratum"), key=lambda stratum: order.get(stratum, len(order)))
 
 
 def opening(view: View) -> list[pages.Picture]:
