@@ -77,7 +77,10 @@ def test_the_readme_explains_every_column_and_field():
     assert told == {*dataset.DatasetSpec.__dataclass_fields__, "format"}
 
 
-@pytest.mark.parametrize("path", sorted(DATA.glob("*/*.toml")), ids=lambda p: p.stem)
+SPECIFICATIONS = sorted([*DATA.glob("*/spec.toml"), *DATA.glob("specs/*.toml")])
+
+
+@pytest.mark.parametrize("path", SPECIFICATIONS, ids=lambda p: f"{p.parent.name}-{p.stem}")
 def test_specifications_can_be_read(path):
     assert read_spec(path).count > 0
 
