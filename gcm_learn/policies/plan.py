@@ -40,6 +40,8 @@ WHOLE = ("n_steps", "batch_size", "n_epochs", "buffer_size", "learning_starts", 
 _OURS = ("policy", "env", "seed", "tensorboard_log", "device", "policy_kwargs", "_init_setup_model")
 """Arguments of Stable-Baselines3 that a training run gives itself."""
 _ADDED = ("policy", "net_arch", "log_std_init")
+_OF_PPO = ("value_arch", "bfloat16")
+"""Units of the value's layers, `net_arch` if absent, and whether layers are in bfloat16."""
 
 
 def algorithm(name: str) -> type[BaseAlgorithm]:
@@ -63,7 +65,8 @@ def hyperparameters(name: str) -> set[str]:
         from gcm_learn.policies.cloning import Cloning
 
         return {f.name for f in dataclasses.fields(Cloning)} - {"layers"} | {"net_arch"}
-    return set(inspect.signature(algorithm(name)).parameters) - set(_OURS) | set(_ADDED)
+    added = (*_ADDED, *(_OF_PPO if name == "ppo" else ()))
+    return set(inspect.signature(algorithm(name)).parameters) - set(_OURS) | set(added)
 
 
 _DEFAULTS: ByKind[tuple[dict[str, Any], str]] = ByKind(
@@ -123,6 +126,8 @@ class TrainingPlan:
     """Folder of a trained policy whose network is the start, e.g. a clone."""
     evaluate_every: int = 250_000
     """Steps between evaluations, each of which leaves a checkpoint."""
+    until_settled: bool = False
+    """If true, learning ends once evaluations have stopped gaining, see `curves`."""
     hyperparameters: Mapping[str, Any] = field(default_factory=dict)
     """Of the algorithm, as Stable-Baselines3 or `Cloning` name them."""
 
@@ -234,7 +239,9 @@ def plan_of(entry: Mapping[str, Any], environment: str = "CatchArm-v0") -> Train
     settings, actions = _DEFAULTS.of(arena.kind)
     given["settings"] = settings_of(arena.settings, given.get("settings", settings))
     given.setdefault("actions", actions)
-    rest = {k: v if k == "net_arch" else _number(v) for k, v in values.items()}  # "64" is a list
+    rest = {
+        k: v if k in ("net_arch", "value_arch") else _number(v) for k, v in values.items()
+    }  # "64" is a list
     plan = TrainingPlan(**given, hyperparameters=rest)
     _check_hyperparameters(plan, known)
     return plan

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import zipfile
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -15,6 +15,7 @@ import torch
 from gymnasium import spaces
 from stable_baselines3 import PPO
 from stable_baselines3.common.base_class import BaseAlgorithm
+from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.off_policy_algorithm import OffPolicyAlgorithm
 from stable_baselines3.common.save_util import load_from_zip_file
 from stable_baselines3.common.vec_env import VecEnv, VecNormalize
@@ -35,6 +36,7 @@ from gcm_learn.execution import (
 from gcm_learn.policies.actor import CLIP, Actor
 from gcm_learn.policies.cloning import layers_of
 from gcm_learn.policies.directions import choices_in, chosen, moved, said
+from gcm_learn.policies.networks import Bfloat16Policy
 from gcm_learn.policies.plan import WHOLE, TrainingPlan, algorithm
 from gcm_learn.seeding import rng
 from gcm_learn.storage import whole_file
@@ -162,10 +164,14 @@ def _untrained(plan: TrainingPlan, pool: Pool, logs: Path) -> BaseAlgorithm:
     """Return a learner with the weights that its library gives it."""
     env = normalised(plan, pool)
     wanted = dict(plan.hyperparameters)
-    layers = [int(n) for n in str(wanted.pop("net_arch", _NETWORK)).split(",")]
-    policy = str(wanted.pop("policy", "MlpPolicy"))
-    networks: Any = {"pi": layers, "vf": layers} if plan.algo == "ppo" else layers
-    made: dict[str, Any] = {"net_arch": networks, "activation_fn": nn.ReLU}
+    layers = _units(wanted.pop("net_arch", _NETWORK))
+    policy: Any = str(wanted.pop("policy", "MlpPolicy"))
+    made: dict[str, Any] = {"net_arch": layers, "activation_fn": nn.ReLU}
+    if plan.algo == "ppo":
+        value = wanted.pop("value_arch", None)
+        made["net_arch"] = {"pi": layers, "vf": layers if value is None else _units(value)}
+        made["optimizer_kwargs"] = {"eps": 1e-5, "fused": True}  # eps as the library has it
+        policy = Bfloat16Policy if wanted.pop("bfloat16", False) else policy
     if "log_std_init" in wanted:
         made["log_std_init"] = float(wanted.pop("log_std_init"))
     wanted |= {name: int(wanted[name]) for name in WHOLE if name in wanted}
@@ -177,6 +183,11 @@ def _untrained(plan: TrainingPlan, pool: Pool, logs: Path) -> BaseAlgorithm:
     except TypeError as error:
         raise PolicyError(str(error).replace("\n", " ")) from None
     return made_model
+
+
+def _units(text: Any) -> list[int]:
+    """Return the numbers of units of layers, which are written as 256,256."""
+    return [int(n) for n in str(text).split(",")]
 
 
 def normalised(plan: TrainingPlan, pool: Pool) -> VecNormalize:
@@ -221,6 +232,33 @@ def acting(model: BaseAlgorithm) -> tuple[nn.Module, ...]:
     if isinstance(model, PPO):
         return model.policy.mlp_extractor.policy_net, model.policy.action_net
     return model.policy.actor.latent_pi, model.policy.actor.mu
+
+
+class Checks(BaseCallback):
+    """Call a function after every so many steps, until it says that learning is over.
+
+    Parameters
+    ----------
+    every : int
+        Steps of all arms together.
+    check : callable
+        Returns whether learning is over.
+    """
+
+    def __init__(self, every: int, check: Callable[[], bool]) -> None:
+        super().__init__()
+        self._every, self._check, self.over = every, check, False
+
+    def _on_training_start(self) -> None:
+        self._due = self.model.num_timesteps + self._every
+
+    def _on_rollout_start(self) -> None:
+        if self.model.num_timesteps >= self._due:
+            self._due = self.model.num_timesteps + self._every
+            self.over = self._check()
+
+    def _on_step(self) -> bool:
+        return not self.over
 
 
 def show(model: BaseAlgorithm, moves: Steps, settings: ArenaSettings) -> None:

@@ -6,6 +6,7 @@ import json
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ import torch
 
 from gcm_learn.errors import PolicyError
 from gcm_learn.execution import CAUGHT, COLLIDED, Pool
+from gcm_learn.policies import curves
 from gcm_learn.policies.actor import Actor, file_of
 from gcm_learn.policies.cloning import Cloning, Demonstrations, act_out, clone, transitions
 from gcm_learn.policies.plan import Share, TrainingPlan
@@ -39,8 +41,9 @@ def write_card(
     steps: int,
     scores: Mapping[str, float],
     sizes: Mapping[str, int],
+    rows: Sequence[Mapping[str, Any]] = (),
 ) -> Path:
-    """Write the card; returns its path."""
+    """Write the card, with the curve of a learner's checks; returns its path."""
     file = file_of(plan.settings)
     digest = content_hash((folder / file).read_bytes())[:16]
     sources = "; ".join(_told(share) for share in plan.situations)
@@ -66,6 +69,10 @@ def write_card(
         tail = "" if group == "all" else f" {group}"
         caught, touched = scores[f"caught{tail}"], scores[f"touched{tail}"]
         lines.append(f"| {group} | {n} | {_interval(caught, n)} | {_interval(touched, n)} |")
+    if rows:
+        hours = rows[-1]["processor"] / 3600.0
+        lines += ["", f"Curve over {rows[-1]['steps']:,} steps and {hours:.2f} processor hours, "
+                  f"which {curves.in_words(rows)}:", "", *curves.table_of(rows)]  # fmt: skip
     lines += [
         "",
         "The validation situations chose the checkpoint, so these figures flatter a little. Known",
@@ -130,6 +137,28 @@ class Run:
         """Since this process took the run up."""
         return time.perf_counter() - self.started
 
+    @property
+    def processor(self) -> float:
+        """Processor time of this process and of those before it [s]."""
+        return self.before + time.process_time()
+
+    @cached_property
+    def before(self) -> float:
+        """Processor time until this process took the run up [s]."""
+        return float(self.rows[-1].get("processor", 0.0)) if self.rows else 0.0
+
+    @property
+    def rows(self) -> list[dict[str, Any]]:
+        """Checks so far, out of the log."""
+        path = self.folder / LOG
+        text = path.read_text("utf-8") if path.exists() else ""
+        return [row for row in map(json.loads, text.splitlines()) if "steps" in row]
+
+    @property
+    def settled(self) -> bool:
+        """True once the shares of catches have stopped gaining."""
+        return curves.stopped_gaining([row["caught"] for row in self.rows])
+
 
 def train(plan: TrainingPlan, folder: Path, tell: Told = print) -> dict[str, float]:
     """Train, or go on training, what a plan says.
@@ -162,7 +191,8 @@ def train(plan: TrainingPlan, folder: Path, tell: Told = print) -> dict[str, flo
         _clone(run, shown.shown(), judge)
     else:
         _reinforce(run, shown, judge)
-    write_card(folder, plan, judge.best, judge.scores, judge.sizes)
+    rows = [] if plan.algo == "clone" else run.rows
+    write_card(folder, plan, judge.best, judge.scores, judge.sizes, rows)
     return judge.scores
 
 
@@ -177,7 +207,8 @@ def _claim(run: Run) -> None:
         old = json.loads(path.read_text("utf-8"))
         new = json.loads(text)
         for both in (old, new):
-            both.pop("n_timesteps", None)  # more steps continue a run
+            for name in ("n_timesteps", "until_settled"):  # more steps continue a run
+                both.pop(name, None)
         if old != new:
             fields = sorted(f for f in new if old.get(f) != new[f])
             raise PolicyError(f"{path}: another run, whose {', '.join(fields)} differ")
@@ -212,11 +243,12 @@ class _Judge:
             state = json.loads(path.read_text("utf-8"))
             self.best, self.scores = state["best"], state["scores"]
 
-    def see(self, actor: Actor, steps: int, more: dict[str, float]) -> None:
-        """Score an actor; keep it if it is the best so far."""
+    def see(self, actor: Actor, steps: int, more: dict[str, float]) -> dict[str, float]:
+        """Score an actor; keep it if it is the best so far; return its scores."""
         actor = replace(actor, settings=self.plain)
         scores = score(actor, self.pool, self.groups)
-        self.run.log({"steps": steps, "seconds": round(self.run.seconds, 1), **scores, **more})
+        spent = {"seconds": round(self.run.seconds, 1), "processor": round(self.run.processor, 1)}
+        self.run.log({"steps": steps, **spent, **scores, **more})
         self.run.tell(
             f"{steps} steps, {self.run.seconds:.0f} s: {scores['caught']:.1%} caught, "
             f"{scores['touched']:.1%} touched"
@@ -226,6 +258,7 @@ class _Judge:
             actor.save(self.run.folder)
         state = {"best": self.best, "scores": self.scores}
         write_whole(self.run.folder / STATE, json.dumps(state) + "\n")
+        return scores
 
 
 def _clone(run: Run, shown: Lot, judge: _Judge) -> None:
@@ -265,8 +298,9 @@ def _parts(shown: Lot) -> Iterator[tuple[Pool, list[Any]]]:
 
 def _reinforce(run: Run, lot: Lot, judge: _Judge) -> None:
     """Let a learner act and learn, judged and kept every so often."""
-    from gcm_learn.policies import reinforcement as rl
+    from gcm_learn.policies import networks, reinforcement as rl
 
+    networks.keep_memory()
     plan, folder = run.plan, run.folder
     settings = plan.settings
     if settings.weights.guide != 0.0:
@@ -282,13 +316,22 @@ def _reinforce(run: Run, lot: Lot, judge: _Judge) -> None:
                 rl.show(model, transitions(part, paths, settings), settings)
             run.tell(f"{model.replay_buffer.size() * plan.n_envs} steps of catches are shown")
         judge.see(rl.actor_of(model, plan), 0, {})
-    while model.num_timesteps < plan.n_timesteps:
-        left = plan.n_timesteps - model.num_timesteps
-        model.learn(
-            min(plan.evaluate_every, left), reset_num_timesteps=False, tb_log_name=plan.algo,
-            progress_bar=False,
-        )  # fmt: skip
+
+    def check() -> bool:
         episodes = list(model.ep_info_buffer or [])
         mean = float(np.mean([e["r"] for e in episodes])) if episodes else 0.0
         rl.keep(model, folder)
-        judge.see(rl.actor_of(model, plan), model.num_timesteps, {"return": mean})
+        scores = judge.see(rl.actor_of(model, plan), model.num_timesteps, {"return": mean})
+        for name in ("caught", "touched"):
+            model.logger.record(f"eval/{name}", scores[name])
+        model.logger.dump(model.num_timesteps)
+        return plan.until_settled and run.settled
+
+    over = plan.until_settled and run.settled
+    if model.num_timesteps < plan.n_timesteps and not over:
+        left = plan.n_timesteps - model.num_timesteps
+        checks = rl.Checks(plan.evaluate_every, check)
+        model.learn(left, checks, reset_num_timesteps=False, tb_log_name=plan.algo)
+        if not checks.over:
+            check()
+    run.tell(f"the learner {curves.in_words(run.rows)}")

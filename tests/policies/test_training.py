@@ -126,6 +126,24 @@ def test_a_learner_goes_on_where_it_stopped(tmp_path):
         train(read_plan(written(path, n_envs=4)), tmp_path / "run", told.append)
 
 
+def test_a_run_ends_once_it_has_stopped_gaining(tmp_path, monkeypatch):
+    """Quarters of one check whose gain is always too small: learning ends after the fourth."""
+    pytest.importorskip("stable_baselines3")
+    from gcm_learn.policies import curves
+    from gcm_learn.policies.training import train
+
+    monkeypatch.setattr(curves, "CHECKS", 1)
+    monkeypatch.setattr(curves, "GAIN", 2.0)
+    short = {"until_settled": True, "bfloat16": True, "value_arch": "8", "n_timesteps": 10_000}
+    plan = plan_of({**ENTRY, **short})
+    for _ in range(2):  # again: nothing is left to learn
+        train(plan, tmp_path, lambda text: None)
+        rows = [json.loads(r) for r in (tmp_path / "log.jsonl").read_text().splitlines()]
+        assert [row["steps"] for row in rows] == [0, 128, 256, 384]
+    assert rows[1]["processor"] < rows[3]["processor"]
+    assert "which stopped gaining" in (tmp_path / "card.md").read_text()
+
+
 def test_a_run_that_never_began_does_not_claim_its_folder(tmp_path, monkeypatch):
     pytest.importorskip("stable_baselines3")
     from gcm_learn.policies import training

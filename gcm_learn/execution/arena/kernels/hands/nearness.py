@@ -169,6 +169,69 @@ RAY_Y = np.append(np.sin(2.0 * np.pi * np.arange(RAYS - 1) / (RAYS - 1)), 0.0)
 REACHES = np.array([0.06, 0.12, 0.2, 0.3, 0.45, 0.65, 0.9])  # ways along a ray [forearm lengths]
 
 
+# Loops over rays call nothing and divide as NumPy does, so they run on several rays at once.
+
+
+@njit(_nrt=False, error_model="numpy")
+def _point(view, dx, dy, reach, hx, hy):
+    """Write the hands (RAYS,) that have gone `reach` along the rays."""
+    for k in range(RAYS):
+        hx[k] = view.x + reach * (dx * RAY_X[k] - dy * RAY_Y[k])
+        hy[k] = view.y + reach * (dy * RAY_X[k] + dx * RAY_Y[k])
+
+
+@njit(_nrt=False, error_model="numpy")
+def _bend(rho, hx, hy, ex, ey):
+    """Write the elbows (RAYS,) of hands (RAYS,), as `elbow_of` has them."""
+    for k in range(RAYS):
+        r = np.sqrt(hx[k] * hx[k] + hy[k] * hy[k])
+        ux, uy = hx[k] / r, hy[k] / r
+        a = (r * r + rho * rho - 1.0) / (2.0 * rho * r)
+        a = 1.0 if a > 1.0 else a
+        a = -1.0 if a < -1.0 else a
+        b = np.sqrt(1.0 - a * a)
+        ex[k] = 0.0 if r < 1e-12 else rho * (a * ux + b * uy)
+        ey[k] = -rho if r < 1e-12 else rho * (a * uy - b * ux)
+
+
+@njit(_nrt=False, error_model="numpy")
+def _gaps(x, y, z, reach, hx, hy, ex, ey, gaps):
+    """Write the gaps (RAYS,) between limbs and a ball of radius `reach` at (x, y, z)."""
+    for k in range(RAYS):
+        fx, fy, wx, wy = hx[k] - ex[k], hy[k] - ey[k], x - ex[k], y - ey[k]
+        s = (wx * fx + wy * fy) / (fx * fx + fy * fy)
+        s = 0.0 if s < 0.0 else s
+        s = 1.0 if s > 1.0 else s
+        wx, wy = wx - s * fx, wy - s * fy
+        u = (x * ex[k] + y * ey[k]) / (ex[k] * ex[k] + ey[k] * ey[k])
+        u = 0.0 if u < 0.0 else u
+        u = 1.0 if u > 1.0 else u
+        vx, vy = x - u * ex[k], y - u * ey[k]
+        forearm, upper = wx * wx + wy * wy, vx * vx + vy * vy
+        d2 = forearm if forearm < upper else upper
+        gaps[k] = np.sqrt(d2 + z * z) - reach
+
+
+@njit(_nrt=False)
+def _narrow(scene, floor, t, limbs, room, poses):
+    """Lower the gaps `room` (RAYS,) of limbs (5, RAYS) to those of the obstacles at t [s]."""
+    bodies, n = scene.bodies, scene.bodies.rows.shape[0]
+    hx, hy, ex, ey, gaps = limbs[0], limbs[1], limbs[2], limbs[3], limbs[4]
+    for balls in (True, False):  # balls first: what they leave is checked closely
+        for b in range(n):
+            if bodies.rows[b, PART] == HAND or (bodies.rows[b, BALL] > 0.0) != balls:
+                continue
+            pose_at(bodies, b, t, poses)
+            x, y, z = poses[b, 0], poses[b, 1], poses[b, 2]
+            _gaps(x, y, z, bodies.rows[b, REACH], hx, hy, ex, ey, gaps)
+            for k in range(RAYS):
+                gap = gaps[k] - floor
+                if gap < room[k]:
+                    if not balls:
+                        gap = arm_distance(bodies, poses, b, hx[k], hy[k], ex[k], ey[k]) - floor
+                    room[k] = min(room[k], gap)
+
+
 @njit
 def tell_fan(scene, floor, view, dx, dy, poses, row, at):
     """For every ray how far the hand can go before the limb touches, and how near it comes.
@@ -186,46 +249,24 @@ def tell_fan(scene, floor, view, dx, dy, poses, row, at):
     row : (width,) ndarray
         RAY numbers for each ray are written, from `at` on.
     """
-    bodies, limb = scene.bodies, scene.limb
-    speed, horizon, rho = scene.limits.speed, scene.limits.horizon, limb.rho
-    n, reaches = bodies.rows.shape[0], REACHES.size
-    table, gaps = np.empty((reaches * n, 12)), np.empty(n)
-    for j in range(reaches):  # poses of all bodies, instant by instant
-        for b in range(n):
-            if bodies.rows[b, PART] != HAND:
-                pose_at(bodies, b, min(view.t + REACHES[j] / speed, horizon), poses)
-                for i in range(12):
-                    table[j * n + b, i] = poses[b, i]
-    for ray in range(RAYS):
-        reach, least, last = REACHES[reaches - 1], 0.5, 0.0
-        ux, uy = dx * RAY_X[ray] - dy * RAY_Y[ray], dy * RAY_X[ray] + dx * RAY_Y[ray]
-        for j in range(reaches):
-            hx, hy = view.x + REACHES[j] * ux, view.y + REACHES[j] * uy
-            r = np.sqrt(hx * hx + hy * hy)
+    limb, horizon = scene.limb, scene.limits.horizon
+    limbs, room = np.empty((5, RAYS)), np.full(RAYS, 0.5)  # what is farther changes nothing
+    reach, least = np.zeros(RAYS), np.full(RAYS, 0.5)
+    free, last = np.ones(RAYS, np.bool_), 0.0
+    for j in range(REACHES.size):
+        _point(view, dx, dy, REACHES[j], limbs[0], limbs[1])
+        _bend(limb.rho, limbs[0], limbs[1], limbs[2], limbs[3])
+        for k in range(RAYS):
+            r = np.sqrt(limbs[0, k] * limbs[0, k] + limbs[1, k] * limbs[1, k])
             if r > limb.far or r < limb.near:
-                reach = last
-                break
-            ex, ey = elbow_of(hx, hy, rho, 1.0)
-            room = least  # what is farther changes nothing
-            for b in range(n):  # balls first: what they leave is checked closely
-                gaps[b] = 1e300
-                if bodies.rows[b, PART] == HAND:
-                    continue
-                px, py, pz = table[j * n + b, 0], table[j * n + b, 1], table[j * n + b, 2]
-                d2 = limb_point2(px, py, hx, hy, ex, ey)
-                gap = np.sqrt(d2 + pz * pz) - bodies.rows[b, REACH] - floor
-                if bodies.rows[b, BALL] > 0.0:
-                    room = min(room, gap)
-                else:
-                    gaps[b] = gap
-            for b in range(n):
-                if gaps[b] < room:
-                    for q in range(12):
-                        poses[b, q] = table[j * n + b, q]
-                    gap = arm_distance(bodies, poses, b, hx, hy, ex, ey)
-                    room = min(room, gap - floor)
-            if room <= 0.0:
-                reach, least = last, 0.0
-                break
-            least, last = room, REACHES[j]
-        row[at + RAY * ray], row[at + RAY * ray + 1] = reach, least
+                free[k] = False
+            room[k] = least[k] if free[k] else -1.0
+        t = min(view.t + REACHES[j] / scene.limits.speed, horizon)
+        _narrow(scene, floor, t, limbs, room, poses)
+        for k in range(RAYS):
+            if free[k]:
+                free[k], least[k] = room[k] > 0.0, max(room[k], 0.0)
+                reach[k] = REACHES[j] if free[k] else last
+        last = REACHES[j]
+    for k in range(RAYS):
+        row[at + RAY * k], row[at + RAY * k + 1] = reach[k], least[k]
