@@ -250,9 +250,9 @@ def get_method(given: Any, name: str = "", limit: float | None = LIMIT) -> Metho
     ----------
     given : str or object
         A planner (``search``); a planner with a memory in a folder (``recall@DIR``); an actor by
-        the name of its model or by its folder (``clone``), which acts unverified; an actor whose
-        path is tried out N times and verified before it moves (``clone@20``); or anything else of
-        `planners.get_planner`.
+        the name of its model, its folder or the `model.zip` in it (``clone``), which acts
+        unverified; an actor whose path is tried out N times and verified before it moves
+        (``clone@20``); or anything else of `planners.get_planner`.
     name : str, optional
         By default what was given, or the object's name.
     limit : float, optional
@@ -265,13 +265,12 @@ def get_method(given: Any, name: str = "", limit: float | None = LIMIT) -> Metho
     """
     told = name or (given if isinstance(given, str) else name_of(given))
     if isinstance(given, str):
-        if given in policies.all_actor_names():
-            return ActorMethod(told, policies.shipped_actor(given))
+        actor = None if is_registered(given) else policies.found_actor(given)
+        if actor is not None:
+            return ActorMethod(told, actor)
         planner, _, folder = given.partition("@")
         if is_registered(planner) and (Path(folder) / MANIFEST).is_file():
             return PlannerMethod(told, with_memory(planner, Memory.load(folder)))
-        if policies.is_actor(Path(given)):
-            return ActorMethod(told, policies.Actor.load(Path(given)))
     made = _made(given, told)
     if isinstance(made, policies.Acting):
         return ActorMethod(told, made)

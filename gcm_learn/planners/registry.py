@@ -104,10 +104,11 @@ def get_planner(given: str | Any, *, name: str = "", limit: float | None = LIMIT
     Parameters
     ----------
     given : str, planner, policy or callable
-        A registered name; ``clone`` or ``clone@20``, a trained actor that is tried out so many
-        times; ``module:name`` or ``path.py:name``; the ``.zip`` of a Stable-Baselines3 model; an
-        entry point of an installed package; or an object: a planner, a function of a situation, a
-        policy, a model, or a class of these.  A policy's most likely movement is the plan.
+        A registered name; ``clone`` or ``clone@20``, a trained actor by name or folder, which is
+        tried out so many times; ``module:name`` or ``path.py:name``; the ``.zip`` of a
+        Stable-Baselines3 model; an entry point of an installed package; or an object: a planner, a
+        function of a situation, a policy, a model, or a class of these.  A policy's most likely
+        movement is the plan.
     name : str, optional
         Name of a planner from outside; by default the reference, or the object's name.
     limit : float, optional
@@ -132,12 +133,12 @@ def get_planner(given: str | Any, *, name: str = "", limit: float | None = LIMIT
     if is_registered(given):
         known = _made(given) if given in _PLANNERS else pkgutil.resolve_name(_ABOVE[given])()
         return as_ours(known if given in WHOLE else Staged(known))
-    object_named = found(given)
-    if object_named is not None:
-        return _outside(object_named, name or given, limit)
     tried_out = pkgutil.resolve_name(_ACTORS)(given)
     if tried_out is not None:
         return as_ours(Staged(tried_out))
+    object_named = found(given)
+    if object_named is not None:
+        return _outside(object_named, name or given, limit)
     raise UnknownNameError.among("planner", given, all_planner_names())
 
 

@@ -16,7 +16,7 @@ from gcm_learn.policies.actor import (
     actor_folder as actor_folder,
     actor_names as actor_names,
     all_actor_names as all_actor_names,
-    is_actor as is_actor,
+    found_actor as found_actor,
     shipped_actor as shipped_actor,
     tried_out as tried_out,
 )
@@ -31,6 +31,7 @@ from gcm_learn.policies.training import score as score
 
 if TYPE_CHECKING:
     from gcm_learn.policies.training import train as train
+    from gcm_learn.policies.vec_env import ArenaVecEnv as ArenaVecEnv
 
-# Loaded when it is asked for: it needs torch.
-__getattr__ = late.late_names(__name__, {"training": ("train",)})
+# Loaded when they are asked for: they need torch.
+__getattr__ = late.late_names(__name__, {"training": ("train",), "vec_env": ("ArenaVecEnv",)})

@@ -30,6 +30,7 @@ FILES = {
     "CatchChainPhysics-v0": "actor-chain-physics.npz",
 }
 """By the arena in which a policy acts."""
+LEARNER = "model.zip"  # file of a training run's folder with what learns
 MINDS = ByKind({SPATIAL: execution.Commanding}, who="an actor in the closed loop")
 """Agents of the closed loop that act as a policy does."""
 CLIP = 10.0  # of normalised observations, as Stable-Baselines3 has it
@@ -231,11 +232,6 @@ def all_actor_names() -> list[str]:
     return [name for kind in _FILES for name in actor_names(kind)]
 
 
-def is_actor(folder: Path) -> bool:
-    """Return whether a folder holds a trained actor."""
-    return any((folder / file).is_file() for file in _FILES.entries())
-
-
 def acted(actor: Acting, situation: AnySituation) -> tuple[str, Movement, int]:
     """Play an episode; return its outcome, the movement, and the number of steps."""
     table = ByKind({actor.kind: actor.settings}, who="the policy")
@@ -244,6 +240,19 @@ def acted(actor: Acting, situation: AnySituation) -> tuple[str, Movement, int]:
     time, posture = episodes.path(0)
     way = _KINDS.of(actor.kind).way(situation.arm, time, pool.frames[0].original(posture))
     return OUTCOMES[int(episodes.outcomes[0])], way, int(episodes.steps[0])
+
+
+def found_actor(given: str) -> Actor | None:
+    """Return a trained actor by its name among the models, its folder, or the `model.zip` in it.
+
+    Anything else is None.
+    """
+    if given in all_actor_names():
+        return shipped_actor(given)
+    path = Path(given)
+    folder = path.parent if path.name == LEARNER else path
+    there = any((folder / file).is_file() for file in _FILES.entries())
+    return Actor.load(folder) if there else None
 
 
 def tried_out(name: str) -> ActorPlanner | None:
@@ -256,12 +265,16 @@ def tried_out(name: str) -> ActorPlanner | None:
     UnknownNameError
         If no number of tries comes after the @.
     """
-    bare, at, tries = name.partition("@")
-    if bare not in all_actor_names():
+    actor = found_actor(name)
+    if actor is not None:
+        return ActorPlanner(actor, name, 1)
+    bare, _, tries = name.rpartition("@")
+    actor = found_actor(bare) if bare else None
+    if actor is None:
         return None
-    if at and (not tries.isdigit() or int(tries) < 1):
+    if not tries.isdigit() or int(tries) < 1:
         raise UnknownNameError(f"policy {name!r}: after @ comes a number of tries")
-    return ActorPlanner(shipped_actor(bare), name, int(tries or 1))
+    return ActorPlanner(actor, name, int(tries))
 
 
 @dataclass(frozen=True)

@@ -4,144 +4,39 @@ from __future__ import annotations
 
 import json
 import zipfile
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import torch
-from gymnasium import spaces
 from stable_baselines3 import PPO
 from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.off_policy_algorithm import OffPolicyAlgorithm
 from stable_baselines3.common.save_util import load_from_zip_file
-from stable_baselines3.common.vec_env import VecEnv, VecNormalize
+from stable_baselines3.common.vec_env import VecNormalize
 from torch import nn
 
 from gcm_learn.arms import PLANAR, ByKind
-from gcm_learn.envs import box, commands, finite
 from gcm_learn.errors import PolicyError
-from gcm_learn.execution import (
-    CAUGHT,
-    OUTCOMES,
-    RUNNING,
-    ArenaSettings,
-    Pool,
-    Steps,
-    plant_of,
-)
-from gcm_learn.policies.actor import CLIP, Actor
+from gcm_learn.execution import RUNNING, ArenaSettings, Pool, Steps, plant_of
+from gcm_learn.policies.actor import CLIP, LEARNER, Actor
 from gcm_learn.policies.cloning import layers_of
-from gcm_learn.policies.directions import choices_in, chosen, moved, said
+from gcm_learn.policies.directions import said
 from gcm_learn.policies.networks import Bfloat16Policy
 from gcm_learn.policies.plan import WHOLE, TrainingPlan, algorithm
-from gcm_learn.seeding import rng
+from gcm_learn.policies.vec_env import ArenaVecEnv
 from gcm_learn.storage import whole_file
 
-
-class ArenaVecEnv(VecEnv):
-    """Arms that begin a new episode in the step that ends one.
-
-    The horizon ends an episode for good (no ``TimeLimit.truncated``): the time left is observed,
-    and no reward comes afterwards.
-
-    Parameters
-    ----------
-    pool : Pool
-    count : int
-        Number of arms.
-    settings : ArenaSettings
-    seed : int
-        Of the order in which situations come.
-    choices : bool
-        Whether actions are choices of a direction instead of velocities, see `directions`.
-    """
-
-    render_mode = None
-
-    def __init__(
-        self, pool: Pool, count: int, settings: ArenaSettings, seed: int, *, choices: bool
-    ) -> None:
-        self.plant: Any = plant_of(pool, count, settings)
-        self._commands = partial(chosen if choices else moved, settings)
-        actions = spaces.Discrete(choices_in(settings)) if choices else commands(self.plant)
-        super().__init__(count, box(self.plant), actions)
-        self._source = rng(seed)
-        self._actions = np.zeros((count, self.plant.commands))
-        self._sums, self._lengths = np.zeros(count), np.zeros(count, np.int64)
-
-    def reset(self) -> np.ndarray:
-        """Begin all episodes."""
-        self.plant.put(np.arange(self.num_envs), self._drawn(self.num_envs))
-        self._sums[:], self._lengths[:] = 0.0, 0
-        return self.plant.observations.copy()
-
-    def _drawn(self, count: int) -> np.ndarray:
-        return self._source.integers(len(self.plant.pool), size=count)
-
-    def step_async(self, actions: np.ndarray) -> None:
-        """Note actions; NaN and infinities are an error."""
-        wanted = self._commands(self.plant.observations, actions)
-        self._actions = finite(wanted, (self.num_envs, self.plant.commands), "ArenaVecEnv.step")
-
-    def step_wait(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, list[dict[str, Any]]]:
-        """Do it."""
-        plant = self.plant
-        outcomes = plant.move(self._actions)
-        rewards = plant.rewards.astype(np.float32)
-        self._sums += rewards
-        self._lengths += 1
-        over = outcomes != RUNNING
-        infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
-        arms = np.flatnonzero(over)
-        for e in arms:
-            infos[e] = {
-                "terminal_observation": plant.observations[e].copy(),
-                "is_success": bool(outcomes[e] == CAUGHT),
-                "outcome": OUTCOMES[outcomes[e]],
-                "episode": {"r": float(self._sums[e]), "l": int(self._lengths[e]), "t": 0.0},
-            }
-        if len(arms):
-            self._sums[arms], self._lengths[arms] = 0.0, 0
-            plant.put(arms, self._drawn(len(arms)))
-        return plant.observations.copy(), rewards, over, infos
-
-    def seed(self, seed: int | None = None) -> Sequence[int | None]:
-        """Begin the order of situations anew."""
-        if seed is not None:
-            self._source = rng(seed)
-        return [seed] * self.num_envs
-
-    def close(self) -> None:
-        """Nothing has to be closed."""
-
-    def get_attr(self, attr_name: str, indices: Any = None) -> list[Any]:
-        """An attribute of the whole, once for each arm."""
-        return [getattr(self, attr_name)] * len(list(self._get_indices(indices)))
-
-    def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:
-        """Arms have no attributes of their own."""
-        raise NotImplementedError("arms of a batch cannot be changed one by one")
-
-    def env_method(
-        self, method_name: str, *method_args: Any, indices: Any = None, **method_kwargs: Any
-    ) -> list[Any]:
-        """Arms have no methods of their own."""
-        raise NotImplementedError("arms of a batch have no methods of their own")
-
-    def env_is_wrapped(self, wrapper_class: type, indices: Any = None) -> list[bool]:
-        """No arm is wrapped."""
-        return [False] * len(list(self._get_indices(indices)))
-
-
-MODEL, STATISTICS, BUFFER = "model.zip", "normalisation.npz", "buffer.npz"
+STATISTICS, BUFFER = "normalisation.npz", "buffer.npz"
 _PICKLES = ("normalisation.pkl", "buffer.pkl")  # of older versions
 _SCALES = ("mean", "var", "count")
 _STEPS = ("observations", "next_observations", "actions", "rewards", "dones", "timeouts")
 _COUNTS = ("num_timesteps", "_n_updates", "_episode_num")
+_DRAWN_ANEW = ("_last_obs", "_last_original_obs", "_last_episode_starts", "ep_info_buffer")
+"""Attributes of learners that a run which goes on does not need."""
 _SEEN = 1e12  # observations, after which new ones hardly move the statistics
 _EPSILON = 1e-8  # of VecNormalize
 _NETWORK = "256,256"
@@ -192,7 +87,8 @@ def _units(text: Any) -> list[int]:
 
 def normalised(plan: TrainingPlan, pool: Pool) -> VecNormalize:
     """Return the batched arena, with scaled observations if the plan says so."""
-    env = ArenaVecEnv(pool, plan.n_envs, plan.settings, plan.seed, choices=plan.actions == "choice")
+    plant = plant_of(pool, plan.n_envs, plan.settings)
+    env = ArenaVecEnv(plant, plan.seed, actions=plan.actions)
     gamma = float(plan.hyperparameters.get("gamma", 0.99))
     return VecNormalize(
         env,
@@ -299,8 +195,8 @@ def keep(model: BaseAlgorithm, folder: Path) -> None:
     """Write everything that going on needs; each file is replaced when it is whole."""
     env = model.get_env()
     assert isinstance(env, VecNormalize)
-    with whole_file(folder / MODEL) as place:
-        model.save(place)
+    with whole_file(folder / LEARNER) as place:
+        model.save(place, exclude=_DRAWN_ANEW)
     with whole_file(folder / STATISTICS) as place:
         np.savez(place, **{name: getattr(env.obs_rms, name) for name in _SCALES})
     if isinstance(model, OffPolicyAlgorithm):
@@ -324,11 +220,11 @@ def go_on(plan: TrainingPlan, pool: Pool, folder: Path) -> BaseAlgorithm:
     model = _untrained(plan, pool, folder / "tensorboard")
     env = model.get_env()
     assert isinstance(env, VecNormalize)
-    _, states, variables = load_from_zip_file(folder / MODEL, load_data=False, device="cpu")
+    _, states, variables = load_from_zip_file(folder / LEARNER, load_data=False, device="cpu")
     model.set_parameters(states, device="cpu")
     for name, values in (variables or {}).items():
         getattr(model, name).data = values.data
-    for name, count in _counts(folder / MODEL).items():
+    for name, count in _counts(folder / LEARNER).items():
         setattr(model, name, count)
     with np.load(folder / STATISTICS, allow_pickle=False) as scales:
         for name in _SCALES:

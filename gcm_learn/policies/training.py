@@ -16,7 +16,7 @@ import torch
 from gcm_learn.errors import PolicyError
 from gcm_learn.execution import CAUGHT, COLLIDED, Pool
 from gcm_learn.policies import curves
-from gcm_learn.policies.actor import Actor, file_of
+from gcm_learn.policies.actor import LEARNER, Actor, file_of
 from gcm_learn.policies.cloning import Cloning, Demonstrations, act_out, clone, transitions
 from gcm_learn.policies.plan import Share, TrainingPlan
 from gcm_learn.policies.situations import Lot, gather
@@ -306,7 +306,7 @@ def _reinforce(run: Run, lot: Lot, judge: _Judge) -> None:
     if settings.weights.guide != 0.0:
         run.tell(f"preparing the guide of {len(lot.situations)} situations")
     pool = settings.prepared(lot.pool)
-    if (folder / rl.MODEL).exists():
+    if (folder / LEARNER).exists():
         model = rl.go_on(plan, pool, folder)
         run.tell(f"going on after {model.num_timesteps} steps")
     else:

@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 
 from gcm_learn import families, planners
-from gcm_learn.errors import PolicyError
+from gcm_learn.errors import PolicyError, UnknownNameError
+from gcm_learn.evaluation import get_method
 from gcm_learn.execution import CAUGHT, Pool, Settings
 from gcm_learn.execution.arena.kernels.hands.nearness import RAYS
 from gcm_learn.motion.verification import verify
+from gcm_learn.planners import get_planner
 from gcm_learn.planners.completion import Problem
 from gcm_learn.policies.actor import Actor, ActorPlanner
 from gcm_learn.policies.cloning import act_out
@@ -95,6 +97,16 @@ def test_files_hold_the_same_actor(made, tmp_path, rng):
     assert (again.settings, again.head) == (actor.settings, actor.head)
     with pytest.raises(PolicyError, match="there is no trained policy"):
         Actor.load(tmp_path / "nowhere")
+
+
+def test_what_training_writes_is_taken_by_folder_and_by_the_learner_in_it(tmp_path):
+    straight_actor().save(tmp_path)
+    for given in (str(tmp_path), str(tmp_path / "model.zip")):
+        assert get_method(given).actor.head == "choice"
+        assert get_planner(given).planner.tries == 1
+        assert get_planner(f"{given}@7").planner.tries == 7
+    with pytest.raises(UnknownNameError, match="after @ comes a number of tries"):
+        get_planner(f"{tmp_path}@few")
 
 
 def test_drawn_choices_follow_the_scores(rng):

@@ -217,12 +217,12 @@ def test_a_learner_goes_on_as_it_was(tmp_path, algo):
 
 def test_policies_of_torques_differ_from_the_torques_that_go_straight():
     pytest.importorskip("mujoco")
-    from gcm_learn.policies.reinforcement import ArenaVecEnv
+    from gcm_learn.policies import ArenaVecEnv
 
     settings = execution.PhysicalSettings(control="torque")
     pool = execution.pool_of("crossing-swarm-space", 3, 0, settings)
     env, arms = (
-        ArenaVecEnv(pool, 3, settings, 0, choices=False),
+        ArenaVecEnv(execution.PhysicalArms(pool, 3, settings), actions="velocity"),
         execution.PhysicalArms(pool, 3, settings),
     )
     told = env.reset()

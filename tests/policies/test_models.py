@@ -22,6 +22,8 @@ from stable_baselines3.common.monitor import Monitor
 from stable_baselines3.common.save_util import load_from_pkl
 from stable_baselines3.common.vec_env import DummyVecEnv, VecNormalize
 
+from gcm_learn.policies import ArenaVecEnv
+
 
 def arena():
     """Return an environment with few situations."""
@@ -111,3 +113,31 @@ def test_recurrent_policies_are_refused(tmp_path, seen):
     for given in (model, tmp_path / "model.zip"):
         with pytest.raises(PolicyError, match="is recurrent; here a policy sees one observation"):
             own_policy(given, "memory").act(seen)
+
+
+def test_the_batched_arena_is_one_for_learners_step_by_step_that_of_gymnasium():
+    """Same situations and actions: same observations and rewards, until the first episode ends."""
+    made = [
+        gymnasium.make_vec("gcm_learn:CatchArm-v0", num_envs=4, situations="moving-point", pool=2,
+                           vectorization_mode="vector_entry_point") for _ in range(2)
+    ]  # fmt: skip
+    env = ArenaVecEnv(made[0], seed=3)
+    seen = env.reset()
+    there, _ = made[1].reset(options={"index": env.plant.state.place})
+    actions, over = env.action_space.sample() * np.ones((4, 1), np.float32), np.zeros(4, bool)
+    while not over.any():
+        np.testing.assert_array_equal(seen, there)
+        there, rewards, ended, late, _ = made[1].step(actions)
+        seen, mine, over, infos = env.step(actions)
+        np.testing.assert_array_equal(mine, rewards.astype(np.float32))
+        np.testing.assert_array_equal(over, ended | late)
+    first = int(np.flatnonzero(over)[0])
+    assert infos[first]["episode"]["l"] > 1 and len(infos[first]["terminal_observation"]) == 107
+
+
+def test_stable_baselines_learns_in_the_batched_arena():
+    arms = gymnasium.make_vec("gcm_learn:CatchArm-v0", num_envs=4, situations="moving-point",
+                              pool=2, vectorization_mode="vector_entry_point")  # fmt: skip
+    model = PPO("MlpPolicy", ArenaVecEnv(arms), n_steps=8, batch_size=8).learn(32)
+    assert model.num_timesteps == 32
+    assert own_policy(model).settings is arms.settings

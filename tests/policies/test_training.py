@@ -110,6 +110,8 @@ def test_a_clone_learns_what_it_is_shown(tmp_path):
 
 def test_a_learner_goes_on_where_it_stopped(tmp_path):
     pytest.importorskip("stable_baselines3")
+    from tensorboard.backend.event_processing.event_accumulator import EventAccumulator
+
     from gcm_learn.policies.actor import Actor
     from gcm_learn.policies.training import train
 
@@ -117,6 +119,9 @@ def test_a_learner_goes_on_where_it_stopped(tmp_path):
     path = written(tmp_path / "ppo.yml", n_timesteps=128)
     train(read_plan(path), tmp_path / "run", told.append)
     before = (tmp_path / "run" / "model.zip").read_bytes()
+    (events,) = (tmp_path / "run" / "tensorboard").glob("*/events*")
+    tags = EventAccumulator(str(events)).Reload().Tags()["scalars"]
+    assert {"eval/caught", "eval/touched", "train/loss"} <= set(tags)
     assert main(["train", "policy", str(written(path)), "--out", str(tmp_path / "run")]) == 0
     assert (tmp_path / "run" / "model.zip").read_bytes() != before
     rows = [json.loads(r) for r in (tmp_path / "run" / "log.jsonl").read_text().splitlines()]
