@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
@@ -14,7 +13,6 @@ from gcm_learn.cli.failures import CommandFailure
 from gcm_learn.cli.files import made_folder
 from gcm_learn.cli.options import COUNT, TIME, WHOLE, Cluster, Workers, given, seconds
 from gcm_learn.cli.progress import Progress
-from gcm_learn.errors import UnknownNameError
 
 
 @dataclass(frozen=True)
@@ -70,7 +68,10 @@ class Compare:
         if self.reference and self.reference not in names:
             raise CommandFailure(f"--reference {self.reference}: is not among {self.entrants}")
         under = self._conditions()
-        _check_names(names)
+        from gcm_learn.planners import check_name
+
+        for name in names:
+            check_name(name, "entrant")
         from gcm_learn.evaluation import check_sources
 
         check_sources(sources)
@@ -103,21 +104,6 @@ class Compare:
             raise CommandFailure(f"--thinking {self.thinking}: {error}") from None
         noise = [0.0, *_deviations(self.noise)]
         return [(t, n, self.limit) for n, t in product(noise, thinking)]
-
-
-def _check_names(names: Sequence[str]) -> None:
-    """Raise UnknownNameError for a bare name that nothing has, before much is loaded."""
-    from gcm_learn import artifacts
-    from gcm_learn.planners import all_planner_names, found
-
-    known = all_planner_names()
-    for name in names:
-        bare = name.partition("@")[0]
-        there = bare in known or artifacts.find("models", bare) or Path(bare).is_dir()
-        if not there and found(name) is None:
-            actors = artifacts.shipped("models").glob("*/actor*.npz")
-            models = sorted(path.parent.name for path in actors)
-            raise UnknownNameError.among("entrant", name, [*known, *models])
 
 
 def _deviations(text: str) -> list[float]:

@@ -113,6 +113,9 @@ class Execute:
 
     def _asked(self) -> list[tuple[Bodied, Who]]:
         """Return the situations of the file, and who plans in each."""
+        from gcm_learn.planners import check_name
+
+        check_name(self.planner or "search")
         from gcm_learn.arms import kind_of
         from gcm_learn.execution import MECHANICS
         from gcm_learn.planners import taken

@@ -94,6 +94,9 @@ class Solve:
 
     def _planner(self) -> Planner:
         """Return the planner, with the given memory."""
+        from gcm_learn.planners import check_name
+
+        check_name(self.planner)
         from gcm_learn.planners import get_planner
 
         if self.memory is None:

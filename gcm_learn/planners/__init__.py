@@ -37,6 +37,12 @@ if TYPE_CHECKING:
         search_in_space as search_in_space,
     )
     from gcm_learn.planners.layered_front import layered as layered
+    from gcm_learn.planners.names import (
+        all_planner_names as all_planner_names,
+        check_name as check_name,
+        is_registered as is_registered,
+        summary_of as summary_of,
+    )
     from gcm_learn.planners.oracle.bounds import (
         Bounds as Bounds,
         bounds as bounds,
@@ -72,14 +78,11 @@ if TYPE_CHECKING:
         source_of as source_of,
     )
     from gcm_learn.planners.registry import (
-        all_planner_names as all_planner_names,
         as_ours as as_ours,
         get_planner as get_planner,
-        is_registered as is_registered,
         plan_with as plan_with,
         planner_names as planner_names,
         solve as solve,
-        summary_of as summary_of,
     )
     from gcm_learn.planners.tube import InTube as InTube, Tube as Tube
 
@@ -97,6 +100,7 @@ __getattr__ = late.late_names(__name__, {
     "joints.straight": ("any_straight", "at_once", "earliest_straight"),
     "joints.tree_search": ("TreeSearch", "search_in_space"),
     "layered_front": ("layered",),
+    "names": ("all_planner_names", "check_name", "is_registered", "summary_of"),
     "oracle.bounds": ("Bounds", "bounds", "stratum"),
     "oracle.yardstick": ("Yardstick", "without_waits", "yardstick"),
     "outside": ("LIMIT", "broken_promise"),
@@ -108,9 +112,7 @@ __getattr__ = late.late_names(__name__, {
         "absolute", "acts", "found", "in_words", "instance", "name_of", "source_of",
     ),
     "registry": (
-        "all_planner_names",
-        "as_ours", "get_planner", "is_registered", "plan_with", "planner_names", "solve",
-        "summary_of",
+        "as_ours", "get_planner", "plan_with", "planner_names", "solve",
     ),
     "tube": ("InTube", "Tube"),
 })  # fmt: skip

@@ -10,6 +10,7 @@ from weakref import WeakValueDictionary
 from gcm_learn.arms import CHAIN, PLANAR, SPATIAL, ByKind, SpatialArm
 from gcm_learn.errors import UnknownNameError
 from gcm_learn.planners.by_arm import ByArm
+from gcm_learn.planners.names import all_planner_names, is_registered
 from gcm_learn.planners.outside import LIMIT, Outside
 from gcm_learn.planners.plan import Anytime, Deadline, Plan, Planner, taken
 from gcm_learn.planners.references import acts, found, instance, name_of
@@ -49,26 +50,6 @@ _ABOVE = {
     "splines-random": "gcm_learn.recall.planners:SplinesPlanner",
 }
 """Factories in higher folders, imported at the first use."""
-SUMMARIES = {
-    "covered": "looks up a proven answer of a cover",
-    "gcm": "cognitive map by the wave of the paper, and the descent along its arrival times",
-    "hybrid": "recalls first, and searches when recall fails",
-    "layered": "maps with several arrivals at a place, so that the hand may wait",
-    "marching": "the same map by causal marching instead of a wave",
-    "oracle": "searches space and time on fine lattices, slow: the yardstick",
-    "potential": "is pulled to the target and pushed away from obstacles",
-    "recall": "adapts remembered catches to the situation, and checks up to 20 of them",
-    "recall-1": "adapts the catch that it remembers best",
-    "recall-pca": "finds memories by principal components of maps",
-    "recall-random": "adapts up to 20 memories drawn at random: what checking alone is worth",
-    "recall-raw": "finds memories by what situations are made of, without an encoder",
-    "search": "cells and free spans of time in the plane; else straight moves, then trees in time",
-    "splines-random": "checks up to 20 smooth paths drawn at random: what checking alone is worth",
-    "st-rrt-star": "random trees through space and time (OMPL), for a budget of time",
-    "straight": "goes straight to where the target can be met first",
-    "straight-wait": "goes straight, but may wait before it starts",
-}
-"""Each planner in one line."""
 WHOLE = ("covered", "oracle", "st-rrt-star")
 """Planners that look at any horizon as a whole."""
 _ACTORS = "gcm_learn.policies.actor:tried_out"
@@ -81,21 +62,6 @@ _OURS: WeakValueDictionary[int, Any] = WeakValueDictionary()
 def planner_names() -> list[str]:
     """Names of the planners that need only a situation."""
     return sorted(_PLANNERS)
-
-
-def all_planner_names() -> list[str]:
-    """Names of all planners of this package."""
-    return [*planner_names(), *sorted(_ABOVE)]
-
-
-def is_registered(name: str) -> bool:
-    """Return whether a name is that of a planner of this package."""
-    return name in _PLANNERS or name in _ABOVE
-
-
-def summary_of(name: str) -> str:
-    """Return what a planner of this package does, in one line; empty for another name."""
-    return SUMMARIES.get(name, "")
 
 
 def get_planner(given: str | Any, *, name: str = "", limit: float | None = LIMIT) -> Planner:
