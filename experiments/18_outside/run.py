@@ -22,7 +22,7 @@ import suites
 from suites import Question
 
 from gcm_learn.arms import CHAIN
-from gcm_learn.evaluation import Case, Condition, Entrant, ask, page, pairs, ready, shares
+from gcm_learn.evaluation import Case, Condition, Entrant, ask, mark_late, page, pairs, shares
 from gcm_learn.planners import Plan, STRRTStarPlanner
 
 OUT = Path(__file__).resolve().parent / "out"
@@ -73,7 +73,7 @@ def main() -> None:
     entrants = [*PLANNERS, Entrant("vamp, frozen", Peer(goals))]
     entrants += [Entrant(f"st-rrt-star, {ms:g} ms", Peer(goals, ms)) for ms in BUDGETS_MS]
     found = [Case(q.situation, q.suite, q.family) for q in free]
-    sheet = ready(ask(entrants, found, CONDITIONS, keep=out))
+    sheet = mark_late(ask(entrants, found, CONDITIONS, keep=out))
     sheet.save(out / "sheet.parquet")
     told = [f"{len(asked) - len(free)} situations begin or end blocked by our capsules."]
     told += [str(shares(sheet, ("suite", "entrant"))), str(pairs(sheet, "search", "suite"))]

@@ -26,8 +26,8 @@ if TYPE_CHECKING:
     from gcm_learn.evaluation.machine import passes as passes
     from gcm_learn.evaluation.measures import (
         Table as Table,
+        mark_late as mark_late,
         pairs as pairs,
-        ready as ready,
         shares as shares,
     )
     from gcm_learn.evaluation.report import page as page
@@ -62,7 +62,7 @@ __getattr__ = late.late_names(__name__, {
     "entrants": ("ActorMethod", "Entrant", "get_method",),
     "judging": ("complaints", "judged_again", "read_sheets",),
     "machine": ("passes",),
-    "measures": ("Table", "pairs", "ready", "shares",),
+    "measures": ("Table", "pairs", "mark_late", "shares",),
     "report": ("page",),
     "sheet": ("Sheet",),
     "statistics": ("Interval", "chance", "difference", "hierarchical",

@@ -12,7 +12,7 @@ from gcm_learn import __version__
 from gcm_learn.arms import kind_of
 from gcm_learn.errors import SuiteError
 from gcm_learn.evaluation.conditions import OWN, Condition, after, check
-from gcm_learn.evaluation.entrants import Answer, Entrant, asked, entrants_of, ready, summary
+from gcm_learn.evaluation.entrants import Answer, Entrant, asked, entrants_of, method_of, summary
 from gcm_learn.evaluation.judging import judged
 from gcm_learn.evaluation.machine import REFERENCE_MS, factor_of, machine, passes
 from gcm_learn.evaluation.noise import mind_of, seen
@@ -99,7 +99,7 @@ def asked_for(entrants: int, cases: Sequence[Case], conditions: int) -> int:
 
 def _check(entrant: Entrant, counted: Sequence[Case], conditions: Sequence[Condition]) -> None:
     """Raise an error for an entrant that does not take the arms, or the conditions."""
-    method = ready(entrant, conditions[0].limit)
+    method = method_of(entrant, conditions[0].limit)
     for case in {kind_of(case.situation).name: case for case in counted}.values():
         method.check(case.situation)
         if any(condition.noise for condition in conditions):
@@ -134,7 +134,7 @@ def answers(question: Question) -> list[Row]:
     rows: list[Row] = []
     for entrant, conditions in question.asked:
         key = entrant, kind_of(question.case.situation).name
-        method, limit = ready(entrant, conditions[0].limit), conditions[0].limit
+        method, limit = method_of(entrant, conditions[0].limit), conditions[0].limit
         for warm in question.warm_ups if key not in _WARM else ():
             if asked(method, warm.situation, limit).outcome == "error":
                 break
@@ -147,7 +147,7 @@ def _under(entrant: Entrant, case: Case, conditions: Sequence[Condition]) -> Ite
     """Yield an entrant's rows of a case; who fails without thinking is not asked again."""
     plain: dict[float, tuple[Answer, Row]] = {}
     for condition in sorted(conditions, key=lambda c: (c.noise, c.thinking != 0.0)):
-        method = ready(entrant, condition.limit)
+        method = method_of(entrant, condition.limit)
         row: Row = {"key": row_key(entrant, case, condition)}
         if condition.noise > 0.0:
             yield row | seen(method, case, condition)

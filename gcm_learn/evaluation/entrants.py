@@ -146,7 +146,7 @@ class Entrant:
 
 
 @lru_cache(maxsize=64)
-def ready(entrant: Entrant, limit: float) -> Method:
+def method_of(entrant: Entrant, limit: float) -> Method:
     """Return the method of an entrant, made once in this process."""
     return entrant.method(limit)
 

@@ -182,7 +182,7 @@ def _pair(mine: Sheet, other: Sheet, first: str, second: str) -> tuple[Any, ...]
     return len(mine) // seeds, found, more, less, p
 
 
-def ready(sheet: Sheet) -> Sheet:
+def mark_late(sheet: Sheet) -> Sheet:
     """Return the sheet with catches that took longer than what was charged as late."""
     late = sheet.caught & (sheet["charged"] > 0.0) & (sheet["ms"] > 1e3 * sheet["charged"])
     outcome = np.where(late & (sheet["thinking"] != "own"), "late", sheet["outcome"])
