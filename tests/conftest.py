@@ -24,9 +24,9 @@ FLAGS = (
 Report = TypeVar("Report", pytest.TestReport, pytest.CollectReport)
 
 # Compilation makes the first example slow, so there is no deadline. Continuous integration
-# draws the same examples every time, and half as many: a red run must be about the change.
+# draws the same examples every time, and fewer: a red run must be about the change.
 settings.register_profile("desk", deadline=None)
-settings.register_profile("ci", deadline=None, derandomize=True, max_examples=50)
+settings.register_profile("ci", deadline=None, derandomize=True, max_examples=25)
 settings.load_profile("ci" if CI else "desk")
 
 compiled.on_compile.clear()  # what tests read of standard error does not depend on the cache

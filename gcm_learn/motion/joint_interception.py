@@ -18,8 +18,7 @@ from gcm_learn.collision.postures import desk_of
 from gcm_learn.collision.rests import free_until
 from gcm_learn.collision.solids import point_distance
 from gcm_learn.compiled import njit
-from gcm_learn.dispatch import by_type
-from gcm_learn.scene import AimedLimits, Scene
+from gcm_learn.scene import Scene
 from gcm_learn.scene.bodies import (
     APPROACH,
     HAND,
@@ -71,11 +70,6 @@ def approach_axis(scene, b, t, poses):
     )
 
 
-@njit(_nrt=False, forceinline=True)
-def _no_excess(limits, scene, where, b, t, poses):
-    return -1.0
-
-
 @njit(_nrt=False)
 def angle_between(first, second):
     """Angle between two directions of three numbers each [rad]."""
@@ -86,29 +80,24 @@ def angle_between(first, second):
 
 
 @njit(_nrt=False)
-def _excess(limits, scene, where, b, t, poses):
+def approach_excess(scene, where, b, t, poses):
+    """Angle of the hand's axis to the approach of target b at t [s] beyond what is allowed.
+
+    Parameters
+    ----------
+    where : place of the limb
+    poses : (bodies, 12) ndarray
+        Row b holds the body's pose.
+
+    Returns
+    -------
+    float
+        [rad]; -1 where the target has no approach.
+    """
     if not has_approach(scene, b):
         return -1.0
     angle = angle_between(approach_axis(scene, b, t, poses), axis_of(scene.limb, where))
     return angle - scene.bodies.rows[b, WITHIN]
-
-
-approach_excess = by_type({None: _no_excess, AimedLimits: _excess})
-"""Angle of the hand's axis to the approach of target b at t [s] beyond what is allowed.
-
-Parameters
-----------
-limits : limits of the scene
-    Their type says whether targets may have an approach.
-where : place of the limb
-poses : (bodies, 12) ndarray
-    Row b holds the body's pose.
-
-Returns
--------
-float
-    [rad]; -1 where the target has no approach.
-"""
 
 
 @njit(_nrt=False)
@@ -125,30 +114,22 @@ def met_at(scene, q, t, catch, poses):
     for b in range(scene.bodies.rows.shape[0]):
         if scene.bodies.rows[b, PART] == HAND:
             if target_room(scene, b, x, y, z, t, poses) <= catch:
-                if approach_excess(scene.limits, scene, where, b, t, poses) <= ANGLE:
+                if approach_excess(scene, where, b, t, poses) <= ANGLE:
                     return b
     return -1
 
 
-@njit(_nrt=False, forceinline=True)
-def _no_wait(limits, scene, where, b, t, rate, poses):
-    return 0.0
-
-
 @njit(_nrt=False)
-def _wait(limits, scene, where, b, t, rate, poses):
-    excess = _excess(limits, scene, where, b, t, poses)
+def turn_wait(scene, where, b, t, rate, poses):
+    """Time [s] before the hand can have the approach of target b; 0 if it has it at t.
+
+    The joints' rates are at most `rate` (n,).
+    """
+    excess = approach_excess(scene, where, b, t, poses)
     if excess <= ANGLE:
         return 0.0
     fast = axis_bound(scene.limb, rate) + top_spin(scene.bodies, b)
     return excess / fast if fast > 0.0 else 1e300
-
-
-turn_wait = by_type({None: _no_wait, AimedLimits: _wait})
-"""Time [s] before the hand can have the approach of target b; 0 if it has it at t.
-
-The joints' rates are at most `rate` (n,).
-"""
 
 
 @njit
@@ -179,7 +160,7 @@ def first_meeting(scene, curve, since, until, catch, shortest, poses):
         for b in range(scene.bodies.rows.shape[0]):
             if scene.bodies.rows[b, PART] == HAND:
                 room = target_room(scene, b, x, y, z, t, poses) - catch
-                wait = turn_wait(scene.limits, scene, where, b, t, rate, poses)
+                wait = turn_wait(scene, where, b, t, rate, poses)
                 if room <= 0.0 and wait <= 0.0:
                     return t, b
                 if room > 0.0:

@@ -127,7 +127,7 @@ def _fault_at_ends(scene, time, joints, rates, body, desk):
     away = target_room(scene, body, x, y, z, time[last], desk.poses)
     if away > scene.limits.grasp - 0.5 * CATCH_SAFETY * limb.length:
         return MISSED
-    if approach_excess(scene.limits, scene, where, body, time[last], desk.poses) > 2.0 * ANGLE:
+    if approach_excess(scene, where, body, time[last], desk.poses) > 2.0 * ANGLE:
         return MISSED
     if last == 0 and rates.shape[0] > 0 and _starts_too_fast(scene, joints[0], rates[0], desk):
         return FAST

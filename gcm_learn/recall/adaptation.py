@@ -139,16 +139,24 @@ class Tries(ABC):
         """
         work = self.work()
         k, body, tried, count = trials.first_valid(
-            self.query, paths, offer, self.styles, budget, work
+            self.query, _read_only(*paths), offer, self.styles, budget, work
         )
         return k, tried, self.attempt(work, count, int(body)) if k >= 0 else None
 
     def catch_times(self, knots: np.ndarray, goals: np.ndarray, chosen: np.ndarray) -> np.ndarray:
         """Return when memories catch, see `transfer`."""
         out: np.ndarray = trials.catch_times(
-            self.query, (knots, goals), chosen, self.styles, self.bends, self.work()
+            self.query, _read_only(knots, goals), chosen, self.styles, self.bends, self.work()
         )
         return out
+
+
+def _read_only(*arrays: np.ndarray) -> tuple[np.ndarray, ...]:
+    """Return views for kernels, which are compiled once more for arrays that can be written to."""
+    views = tuple(array.view() for array in arrays)
+    for view in views:
+        view.flags.writeable = False
+    return views
 
 
 class HandTries(Tries):

@@ -145,7 +145,7 @@ def _adapted(study, b, until, work):
     x, y, z = hand_of(scene.limb, where)
     if target_room(scene, b, x, y, z, track.time[STEPS], desk.poses) > study.catch:
         return False
-    if approach_excess(scene.limits, scene, where, b, track.time[STEPS], desk.poses) > ANGLE:
+    if approach_excess(scene, where, b, track.time[STEPS], desk.poses) > ANGLE:
         return False
     for k in range(STEPS):
         span = _piece(track, k, desk.curve)

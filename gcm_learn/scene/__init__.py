@@ -24,7 +24,6 @@ from gcm_learn.scene.laws import (
 )
 from gcm_learn.scene.outlines import outline as outline
 from gcm_learn.scene.packing import (
-    AimedLimits as AimedLimits,
     JointLimits as JointLimits,
     Limits as Limits,
     Scene as Scene,

@@ -15,7 +15,6 @@ from gcm_learn.scene.bodies import Bodies
 from gcm_learn.scene.laws import LAWS, Frame, Tables, swing_tables
 from gcm_learn.scene.shapes.choice import entry_of
 from gcm_learn.situation import (
-    FORMATS,
     AnySituation,
     Pendulum,
     arm_frame,
@@ -34,19 +33,6 @@ class Limits(NamedTuple):
 
 class JointLimits(NamedTuple):
     """Limits of a movement in the joints; infinite where the situation gives none."""
-
-    joint_speed: np.ndarray  # (n,) [rad/s; lengths/s of prismatic joints]
-    joint_acceleration: np.ndarray  # (n,) [the same per second]
-    speed: float  # of the hand [lengths/s]
-    grasp: float  # signed distance of hand and target at which it is caught [lengths]
-    horizon: float  # last moment at which a catch counts [s]
-
-
-class AimedLimits(NamedTuple):
-    """Limits of a movement in the joints where targets may have an approach.
-
-    It has the fields of `JointLimits`.  Kernels that mind approaches are compiled for this type.
-    """
 
     joint_speed: np.ndarray  # (n,) [rad/s; lengths/s of prismatic joints]
     joint_acceleration: np.ndarray  # (n,) [the same per second]
@@ -93,12 +79,12 @@ def _limits(situation: Any) -> Limits:
     return Limits(arm.max_hand_speed, shoulder, elbow, arm.grasp, horizon)
 
 
-def _joint_limits(situation: Any) -> JointLimits | AimedLimits:
-    arm, aimed = situation.arm, FORMATS[situation.format].approach
+def _joint_limits(situation: Any) -> JointLimits:
+    arm = situation.arm
     count = len(arm.joints)
     acceleration = arm.max_joint_acceleration or (math.inf,) * count
     speed = math.inf if arm.max_hand_speed is None else arm.max_hand_speed
-    return (AimedLimits if aimed else JointLimits)(
+    return JointLimits(
         np.array(arm.max_joint_speed),
         np.array(acceleration),
         speed,

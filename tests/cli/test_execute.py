@@ -173,8 +173,7 @@ def actor(tmp_path, monkeypatch):
     return "goes-straight"
 
 
-@pytest.mark.parametrize("plant", ["mujoco", "kinematic"])
-@pytest.mark.parametrize("noise", ["0", "0.002"])
+@pytest.mark.parametrize(("plant", "noise"), [("mujoco", "0"), ("kinematic", "0.002")])
 def test_a_policy_acts_by_what_is_seen(file, actor, plant, noise, capsys):
     argv = ["execute", str(file), "--planner", actor, "--plant", plant, "--noise", noise]
     assert main([*argv, "--out", "-"]) == 0

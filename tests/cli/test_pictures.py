@@ -45,8 +45,15 @@ def test_films_are_refused_before_planning(options, said, scene_file, scene, pla
     assert stdout == "" and stderr.count("\n") == 1 and said in stderr and planner.asked == []
 
 
-@pytest.mark.parametrize(("name", "begins"), [("a.gif", b"GIF8"), ("a.html", b"<!doctype html>")])
-@pytest.mark.parametrize(("file", "index"), [(EXAMPLES, 3), (PANDA, 0)])
+@pytest.mark.parametrize(
+    ("name", "begins", "file", "index"),
+    [
+        ("a.gif", b"GIF8", EXAMPLES, 3),
+        ("a.html", b"<!doctype html>", EXAMPLES, 3),
+        pytest.param("a.gif", b"GIF8", PANDA, 0, marks=pytest.mark.slow),
+        ("a.html", b"<!doctype html>", PANDA, 0),
+    ],
+)
 def test_arms_that_move_in_their_joints_are_filmed(name, begins, file, index, capsys):
     if name.endswith("html"):
         pytest.importorskip("plotly")

@@ -15,7 +15,10 @@ from tests.spatial import EXAMPLES
 SITUATIONS = read_situations(EXAMPLES)
 
 
-@pytest.mark.parametrize("first", range(0, 50, 10))
+LATER = [pytest.param(first, marks=pytest.mark.slow) for first in range(10, 50, 10)]
+
+
+@pytest.mark.parametrize("first", [0, *LATER])
 def test_catches_hold_and_are_frequent(first):
     caught = 0
     for situation in SITUATIONS[first : first + 10]:

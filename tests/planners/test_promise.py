@@ -40,7 +40,7 @@ FAMILIES = {
     "limited": limited,
     "slippery": slippery,
 }
-COUNT = {"planar": 100, "solid": 30, "limited": 16, "slippery": 30}
+COUNT = {"planar": 40, "solid": 16, "limited": 10, "slippery": 16}
 # Limits compile code of their own for these two, so the slow tests ask them.
 ASKED = [
     pytest.param(family, *planner.values, marks=planner.marks)

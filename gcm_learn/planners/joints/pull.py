@@ -7,7 +7,6 @@ import numpy as np
 from gcm_learn.arms.limbs import axis_of, axis_turns, dof, hand_of, jacobian, place
 from gcm_learn.collision.solids import point_distance
 from gcm_learn.compiled import njit
-from gcm_learn.dispatch import by_type
 from gcm_learn.motion.joint_interception import (
     ANGLE,
     angle_between,
@@ -15,7 +14,6 @@ from gcm_learn.motion.joint_interception import (
     has_approach,
 )
 from gcm_learn.planners.joints.moves import HAIR, time_of
-from gcm_learn.scene import AimedLimits
 from gcm_learn.scene.bodies import WITHIN, pose_at
 
 ROUNDS = 16  # of pulling a hand to a target
@@ -54,7 +52,7 @@ def pulled(study, b, t, q):
     """
     scene, low, high, slopes = study.scene, study.low, study.high, study.jacobian
     limb, rate, poses = scene.limb, scene.limits.joint_speed, study.desk.poses
-    pulled_so = pulled_along(scene.limits, study, b, t, q)
+    pulled_so = _pulled_along(study, b, t, q)
     if pulled_so >= 0:
         return pulled_so == 1
     pose_at(scene.bodies, b, t, poses)
@@ -81,13 +79,13 @@ def pulled(study, b, t, q):
     return False
 
 
-@njit(_nrt=False, forceinline=True)
-def _pulled_freely(limits, study, b, t, q):
-    return -1
-
-
 @njit(_nrt=False)
-def _pulled_along(limits, study, b, t, q):
+def _pulled_along(study, b, t, q):
+    """Turn joints q (n,) until the hand catches body b from its approach; see `pulled`.
+
+    Newton's method on distance and angle together, damped; joints that would leave their box are
+    held for a round.  Returns 1 if it succeeds, 0 if not, -1 if the target has no approach.
+    """
     if not has_approach(study.scene, b):
         return -1
     scene, poses, rate = study.scene, study.desk.poses, study.scene.limits.joint_speed
@@ -116,14 +114,6 @@ def _pulled_along(limits, study, b, t, q):
         if not _stepped(study, rate, depth, angle, q):
             return 0
     return 0
-
-
-pulled_along = by_type({None: _pulled_freely, AimedLimits: _pulled_along})
-"""Turn joints q (n,) until the hand catches body b from its approach; see `pulled`.
-
-Newton's method on distance and angle together, damped; joints that would leave their box are
-held for a round.  Returns 1 if it succeeds, 0 if not, -1 if the target has no approach.
-"""
 
 
 @njit(_nrt=False)

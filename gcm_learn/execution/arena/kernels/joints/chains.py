@@ -19,7 +19,7 @@ from gcm_learn.execution.arena.kernels.joints.nearness import lay, nearest_on_bo
 from gcm_learn.execution.arena.kernels.world import World, put, put_vector
 from gcm_learn.motion.joint_interception import approach_axis, approach_excess, has_approach
 from gcm_learn.motion.joint_verification import hand_too_fast
-from gcm_learn.scene import AimedLimits, Scene
+from gcm_learn.scene import Scene
 from gcm_learn.scene.bodies import REACH
 from gcm_learn.scene.shapes.ball import off_bone
 
@@ -126,13 +126,6 @@ def limb_in(limb, world, s):
     )  # fmt: skip
 
 
-@njit
-def limits_in(limb, world, s):
-    """Limits of situation s; targets may have an approach."""
-    row, n = world.limits[s], limb.low.size
-    return AimedLimits(row[0:n], row[n : 2 * n], row[2 * n], row[2 * n + 1], row[2 * n + 2])
-
-
 class Buffers(NamedTuple):
     """Arrays for two other places of a limb, and for steps in which it brakes."""
 
@@ -227,7 +220,7 @@ def tell_approach(limb, place, scene, b, t, poses, row, at):
         row[at] = 1.0
         x, y, z = approach_axis(scene, b, t, poses)
         put_vector(row, at + 1, x, y, z, 1.0)
-        put(row, at + 4, approach_excess(scene.limits, scene, place, b, t, poses))
+        put(row, at + 4, approach_excess(scene, place, b, t, poses))
 
 
 @njit(_nrt=False)

@@ -17,9 +17,6 @@ blank = by_type({World: spatial.blank, ChainWorld: chains.blank})
 limb_in = by_type({SpatialLimb: spatial.limb_in, ChainLimb: chains.limb_in})
 """Limb of situation s: (limb, world, s). Arrays of the given limb may be overwritten."""
 
-limits_in = by_type({SpatialLimb: spatial.limits_in, ChainLimb: chains.limits_in})
-"""Limits of situation s: (limb, world, s)."""
-
 buffers = by_type({SpatialLimb: spatial.buffers, ChainLimb: chains.buffers})
 """Buffers that only limbs of the type need: (limb,)."""
 

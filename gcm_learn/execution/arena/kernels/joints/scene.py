@@ -9,7 +9,7 @@ import numpy as np
 from gcm_learn.arms.limbs import dof, reach_of
 from gcm_learn.collision.postures import Desk, desk_of
 from gcm_learn.compiled import njit
-from gcm_learn.execution.arena.kernels.joints.limbs import blank, buffers, limb_in, limits_in
+from gcm_learn.execution.arena.kernels.joints.limbs import blank, buffers, limb_in
 from gcm_learn.execution.arena.kernels.world import (
     GONE,
     MOST,
@@ -18,7 +18,7 @@ from gcm_learn.execution.arena.kernels.world import (
     rules_in,
 )
 from gcm_learn.motion.rules import Rules
-from gcm_learn.scene import Scene
+from gcm_learn.scene import JointLimits, Scene
 from gcm_learn.scene.bodies import HAND, PART, Bodies
 
 HORIZON = -1  # column of a world's limits, the fields of `JointLimits` one after the other
@@ -40,6 +40,13 @@ class View(NamedTuple):
     own: Any  # buffers that the type of limb needs, see `limbs.buffers`
 
 
+@njit(forceinline=True)
+def _limits_in(world, s, n):
+    """Limits of situation s, for n joints."""
+    row = world.limits[s]
+    return JointLimits(row[0:n], row[n : 2 * n], row[2 * n], row[2 * n + 1], row[2 * n + 2])
+
+
 @njit
 def views_for(world, state, first, last):
     """Return a view of the situation of arm `first`, with buffers for arms first to last - 1."""
@@ -49,7 +56,10 @@ def views_for(world, state, first, last):
         most = max(most, world.first[s + 1] - world.first[s])
     s = state.place[first]
     limb = limb_in(blank(world), world, s)
-    scene, rules = Scene(bodies_in(world, s), limb, limits_in(limb, world, s)), rules_in(world, s)
+    scene, rules = (
+        Scene(bodies_in(world, s), limb, _limits_in(world, s, dof(limb))),
+        rules_in(world, s),
+    )
     old = desk_of(scene)
     desk = Desk(
         np.zeros((most, 12)), old.curve, old.joints, old.spans, old.waiting, old.obstacles,
@@ -89,7 +99,7 @@ def view_in(world, state, e, room):
     """Return what is left of the situation of arm e, with the buffers of another view."""
     s = state.place[e]
     old, limb = room.desk, limb_in(room.scene.limb, world, s)
-    scene = Scene(_left_in(world, state, e, room.rows), limb, limits_in(limb, world, s))
+    scene = Scene(_left_in(world, state, e, room.rows), limb, _limits_in(world, s, dof(limb)))
     which = world.obstacles[world.begin[s] : world.begin[s + 1]]
     desk = Desk(old.poses, old.curve, old.joints, old.spans, old.waiting, which, old.budget)
     return View(

@@ -15,7 +15,6 @@ from gcm_learn.execution.arena.kernels.joints.nearness import (
     nearest_on_bone,
 )
 from gcm_learn.execution.arena.kernels.world import put, put_vector
-from gcm_learn.scene import JointLimits as JointLimits
 
 START = slice(23, 31)  # columns of a world's limbs: joints and rates at t = 0
 
@@ -39,13 +38,6 @@ def _limb(a):
         a[0:3], a[3:6], a[6:10], a[10:14], a[14:17], a[17:20], a[20], a[21], a[22], a[23:27],
         a[27:31],
     )  # fmt: skip
-
-
-@njit(forceinline=True)
-def limits_in(limb, world, s):
-    """Limits of situation s."""
-    b = world.limits[s]
-    return JointLimits(b[0:4], b[4:8], b[8], b[9], b[10])
 
 
 @njit(forceinline=True)
