@@ -47,9 +47,6 @@ def skeleton(tmp_path):
         "errors",
         "seeding",
         "compiled",
-        "dispatch",
-        "boxing",
-        "parts",
         "processes",
     ):
         (package / f"{module}.py").touch()

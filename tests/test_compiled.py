@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import json
 import os
 import shutil
 import subprocess
@@ -14,8 +15,10 @@ from typing import NamedTuple
 
 import numba
 import pytest
+from numba.core.registry import cpu_target
 
 from gcm_learn import compiled
+from gcm_learn.compiled import cache, sources
 
 
 def test_many_who_save_at_once_lose_nothing(tmp_path):
@@ -23,64 +26,64 @@ def test_many_who_save_at_once_lose_nothing(tmp_path):
     keys = [f"signature {k}" for k in range(20)]
 
     def save(key):
-        cache = compiled._CacheFile(str(tmp_path), "kernel")
-        cache.save(key, f"code of {key}")
-        return cache.load(key)
+        file = cache._CacheFile(str(tmp_path), "kernel")
+        file.save(key, f"code of {key}")
+        return file.load(key)
 
     with ThreadPoolExecutor(6) as pool:
         found = list(pool.map(save, 3 * keys))
     assert found == 3 * [f"code of {key}" for key in keys]
-    cache = compiled._CacheFile(str(tmp_path), "kernel")
-    assert [cache.load(key) for key in keys] == [f"code of {key}" for key in keys]
-    cache.flush()
-    assert cache.load(keys[0]) is None and not list(tmp_path.iterdir())
+    file = cache._CacheFile(str(tmp_path), "kernel")
+    assert [file.load(key) for key in keys] == [f"code of {key}" for key in keys]
+    file.flush()
+    assert file.load(keys[0]) is None and not list(tmp_path.iterdir())
 
 
 @pytest.fixture
 def ours(tmp_path, monkeypatch):
     """A function of the package, and the folder in which code is kept."""
-    monkeypatch.setattr(compiled.config, "CACHE_DIR", str(tmp_path))
+    monkeypatch.setattr(cache.config, "CACHE_DIR", str(tmp_path))
     monkeypatch.setattr(doubled, "__module__", "gcm_learn.wave.doubled")
     return doubled, tmp_path
 
 
 def test_who_listens_is_told_once_that_code_is_compiled(ours, monkeypatch):
     told, kept = [], []  # numba finds what belongs to a module that is none while it lives
-    monkeypatch.setattr(compiled, "PATIENCE", 0.0)
+    monkeypatch.setattr(cache, "PATIENCE", 0.0)
     for x, expected in ((2, ["first"]), (3, ["first"]), (0.5, ["first", "third"])):
-        monkeypatch.setattr(compiled, "on_compile", [])
-        compiled.on_compile.append(lambda: told.append("first" if len(told) == 0 else "third"))
+        monkeypatch.setattr(cache, "on_compile", [])
+        cache.on_compile.append(lambda: told.append("first" if len(told) == 0 else "third"))
         kept.append(compiled.njit(doubled))
         assert kept[-1](x) == 2 * x and told == expected
-        assert len(compiled.on_compile) == (0 if x != 3 else 1)  # the second finds the first's
+        assert len(cache.on_compile) == (0 if x != 3 else 1)  # the second finds the first's
 
 
 def test_compiling_is_announced_when_it_takes_its_time(monkeypatch, capsys):
-    monkeypatch.setattr(compiled, "on_compile", [compiled.say_compiling])
-    monkeypatch.setattr(compiled, "_missed", [])
-    compiled._tell_listeners()
+    monkeypatch.setattr(cache, "on_compile", [cache.say_compiling])
+    monkeypatch.setattr(cache, "_missed", [])
+    cache._tell_listeners()
     assert capsys.readouterr().err == ""
-    monkeypatch.setattr(compiled, "PATIENCE", 0.0)
-    compiled._tell_listeners()
-    compiled._tell_listeners()
-    assert capsys.readouterr().err == f"{compiled.NOTICE}\n"
+    monkeypatch.setattr(cache, "PATIENCE", 0.0)
+    cache._tell_listeners()
+    cache._tell_listeners()
+    assert capsys.readouterr().err == f"{cache.NOTICE}\n"
 
 
 def test_the_notice_is_no_promise_for_other_arms():
     for words in ("this kind of arm and planner", "minute", "another", "again"):
-        assert words in compiled.NOTICE
-    assert "later runs" not in compiled.NOTICE
+        assert words in cache.NOTICE
+    assert "later runs" not in cache.NOTICE
 
 
 def test_a_place_that_cannot_be_written_to_is_named_with_the_way_out(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(compiled.config, "CACHE_DIR", str(tmp_path / "kernels"))
-    compiled.say_compiling()
-    assert capsys.readouterr().err == f"{compiled.NOTICE}\n"
+    monkeypatch.setattr(cache.config, "CACHE_DIR", str(tmp_path / "kernels"))
+    cache.say_compiling()
+    assert capsys.readouterr().err == f"{cache.NOTICE}\n"
     (tmp_path / "file").touch()
-    monkeypatch.setattr(compiled.config, "CACHE_DIR", str(tmp_path / "file"))
-    compiled.say_compiling()
+    monkeypatch.setattr(cache.config, "CACHE_DIR", str(tmp_path / "file"))
+    cache.say_compiling()
     notice, unkept = capsys.readouterr().err.splitlines()
-    assert notice == compiled.NOTICE
+    assert notice == cache.NOTICE
     assert f"cannot be kept in {tmp_path / 'file'} (" in unkept and "every run" in unkept
     assert "NUMBA_CACHE_DIR" in unkept
 
@@ -170,7 +173,7 @@ def test_a_folder_without_rights_or_room_does_not_stop(ours, monkeypatch, step, 
 
 def test_a_file_in_place_of_the_folder_does_not_stop(ours, monkeypatch):
     (ours[1] / "file").touch()
-    monkeypatch.setattr(compiled.config, "CACHE_DIR", str(ours[1] / "file"))
+    monkeypatch.setattr(cache.config, "CACHE_DIR", str(ours[1] / "file"))
     assert answers(ours, 2) == 1 and answers(ours, 2) == 1
 
 
@@ -199,13 +202,14 @@ def test_checkouts_share_code_and_do_not_stop_each_other(tmp_path):
         "two",
         CHECKOUT.replace("length: float\n    width", "width: float\n    length"),
     )
-    files = ("compiled", "boxing", "parts", "storage", "errors", "checks", "late")
+    files = ("storage", "errors", "checks", "late")
     said = {}
     for name, (module, text) in limbs.items():
         package = tmp_path / name / "gcm_learn"
         (package / "arms").mkdir(parents=True)
         for file in files:
-            shutil.copy(compiled.PACKAGE / f"{file}.py", package)
+            shutil.copy(sources.PACKAGE / f"{file}.py", package)
+        shutil.copytree(sources.PACKAGE / "compiled", package / "compiled")
         (package / "__init__.py").touch()
         (package / "arms" / "__init__.py").touch()
         (package / "arms" / "kernel.py").write_text(KERNEL)
@@ -219,6 +223,43 @@ def test_checkouts_share_code_and_do_not_stop_each_other(tmp_path):
         )  # fmt: skip
         said[name] = done.stdout.split()
     assert said == {"newer": ["3.0"], "older": ["3.0"], "same": ["3.0", "1"], "other": ["4.0"]}
+
+
+@pytest.fixture
+def shipped(ours, tmp_path, monkeypatch):
+    """The function's code as an installed package has it, and the user's folder empty."""
+    assert answers(ours, 2) == 1
+    package = tmp_path / "site" / cache.KERNELS
+    shutil.copytree(ours[1], package / "kernels", ignore=shutil.ignore_patterns("site"))
+    (package / "__init__.py").touch()
+    (package / "kernels" / cache.MADE_FOR).write_text(json.dumps(MACHINE))
+    monkeypatch.syspath_prepend(package.parent)
+    empty = tmp_path / "empty"
+    monkeypatch.setattr(cache.config, "CACHE_DIR", str(empty))
+    cache.ahead.cache_clear()
+    yield package / "kernels" / cache.MADE_FOR, empty
+    cache.ahead.cache_clear()
+
+
+MACHINE = cpu_target.target_context.codegen().magic_tuple()
+
+
+def test_code_that_was_compiled_ahead_is_found_and_nothing_is_written(ours, shipped):
+    assert answers(ours, 2) == 0 and not shipped[1].exists()
+    assert answers(ours, 0.5) == 1 and shipped[1].exists()
+
+
+@pytest.mark.parametrize(
+    "told", ["", "[]", json.dumps([*MACHINE[:2], "+none"]), json.dumps(["none", *MACHINE[1:]])]
+)
+def test_code_for_other_processors_is_left_alone(ours, shipped, told):
+    shipped[0].write_text(told)
+    assert answers(ours, 2) == 1
+
+
+def test_code_for_this_processor_alone_can_be_asked_for(ours, shipped, monkeypatch):
+    monkeypatch.setenv("GCM_LEARN_NATIVE", "1")
+    assert answers(ours, 2) == 1
 
 
 def test_what_calls_a_function_links_a_part_of_it(ours):
@@ -244,7 +285,7 @@ def halved(x):
 
 
 def test_errors_of_parts_name_their_numbers(monkeypatch, tmp_path):
-    monkeypatch.setattr(compiled.config, "CACHE_DIR", str(tmp_path))
+    monkeypatch.setattr(cache.config, "CACHE_DIR", str(tmp_path))
     for function in (halved, quartered):
         monkeypatch.setattr(function, "__module__", "gcm_learn.wave.halved")
     kept = []  # as above
@@ -280,15 +321,15 @@ def package(tmp_path, monkeypatch):
         "d": "ALONE = 1",
     }.items():
         (package / "wave" / f"{name}.py").write_text(textwrap.dedent(text))
-    monkeypatch.setattr(compiled, "PACKAGE", package)
+    monkeypatch.setattr(sources, "PACKAGE", package)
     _forget()
     yield package
     _forget()
 
 
 def _forget():
-    hashes = (compiled.source_hash, compiled.is_edited)
-    for function in (*hashes, compiled._sources_of, compiled._path_of, compiled._imports_of):
+    hashes = (sources.source_hash, sources.is_edited)
+    for function in (*hashes, sources._sources_of, sources._path_of, sources._imports_of):
         function.cache_clear()
 
 
@@ -296,33 +337,33 @@ def _forget():
     ("changed", "renewed"), [("a", "a"), ("b", "ab"), ("c", "abc"), ("d", "d")]
 )
 def test_a_change_renews_what_depends_on_it_and_nothing_else(package, changed, renewed):
-    before = {name: compiled.source_hash(f"gcm_learn.wave.{name}") for name in "abcd"}
+    before = {name: sources.source_hash(f"gcm_learn.wave.{name}") for name in "abcd"}
     with open(package / "wave" / f"{changed}.py", "a") as stream:
         stream.write("\nMORE = 2\n")
     _forget()
-    after = {name: compiled.source_hash(f"gcm_learn.wave.{name}") for name in "abcd"}
+    after = {name: sources.source_hash(f"gcm_learn.wave.{name}") for name in "abcd"}
     assert "".join(name for name in "abcd" if before[name] != after[name]) == renewed
 
 
 def test_code_is_kept_where_numba_is_told_to_keep_it(tmp_path, monkeypatch):
-    monkeypatch.setattr(compiled.config, "CACHE_DIR", str(tmp_path))
-    assert compiled.folder() == tmp_path
-    monkeypatch.setattr(compiled.config, "CACHE_DIR", "")
-    assert compiled.PACKAGE not in compiled.folder().parents
+    monkeypatch.setattr(cache.config, "CACHE_DIR", str(tmp_path))
+    assert cache.folder() == tmp_path
+    monkeypatch.setattr(cache.config, "CACHE_DIR", "")
+    assert sources.PACKAGE not in cache.folder().parents
 
 
 @pytest.mark.parametrize(("changed", "edited"), [("a", "a"), ("b", "ab"), ("c", "abc"), ("d", "d")])
 def test_code_of_sources_that_change_meanwhile_is_not_kept(package, monkeypatch, changed, edited):
     """A process may hold the old text in memory, and the hash is that of the new one."""
     files = {name: package / "wave" / f"{name}.py" for name in "abcd"}
-    monkeypatch.setattr(compiled, "STARTED", 1000.0)
+    monkeypatch.setattr(sources, "STARTED", 1000.0)
     for name, file in files.items():
         os.utime(file, (2000.0, 2000.0) if name == changed else (500.0, 500.0))
-    assert "".join(n for n in "abcd" if compiled.is_edited(f"gcm_learn.wave.{n}")) == edited
+    assert "".join(n for n in "abcd" if sources.is_edited(f"gcm_learn.wave.{n}")) == edited
 
 
 def test_edited_functions_are_compiled_and_leave_nothing(ours, monkeypatch):
-    monkeypatch.setattr(compiled, "is_edited", lambda module: True)
+    monkeypatch.setattr(cache, "is_edited", lambda module: True)
     assert compiled.njit(doubled)(2) == 4 and not list(ours[1].iterdir())
 
 
@@ -367,7 +408,7 @@ def test_code_for_limbs_of_other_modules_is_not_kept(ours, limb, kept):
 
 
 def test_code_of_other_modules_is_not_kept(tmp_path, monkeypatch):
-    monkeypatch.setattr(compiled.config, "CACHE_DIR", str(tmp_path))
+    monkeypatch.setattr(cache.config, "CACHE_DIR", str(tmp_path))
     assert compiled.njit(lambda x: x + 1)(2) == 3 and not list(tmp_path.iterdir())
 
 
@@ -377,25 +418,25 @@ BEHIND = ("arms/chain_limb.py", "arms/spatial_limb.py", "arms/curves.py")
 
 def _kernels_at_the_seam():
     """Modules of the package that import the seam and compile something."""
-    for path in sorted(compiled.PACKAGE.rglob("*.py")):
+    for path in sorted(sources.PACKAGE.rglob("*.py")):
         text = path.read_text(encoding="utf-8")
         if f"from {SEAM} import" in text and "@njit" in text:
-            yield ".".join(("gcm_learn", *path.relative_to(compiled.PACKAGE).with_suffix("").parts))
+            yield ".".join(("gcm_learn", *path.relative_to(sources.PACKAGE).with_suffix("").parts))
 
 
 @pytest.mark.parametrize("changed", BEHIND)
 def test_a_change_behind_the_seam_renews_all_kernels_before_it(tmp_path, monkeypatch, changed):
     modules = list(_kernels_at_the_seam())
     assert "gcm_learn.collision.postures" in modules and len(modules) > 5
-    before = {name: compiled.source_hash(name) for name in (*modules, "gcm_learn.seeding")}
+    before = {name: sources.source_hash(name) for name in (*modules, "gcm_learn.seeding")}
     package = tmp_path / "gcm_learn"
     shutil.copytree(
-        compiled.PACKAGE, package, ignore=shutil.ignore_patterns("*.json", "__pycache__")
+        sources.PACKAGE, package, ignore=shutil.ignore_patterns("*.json", "__pycache__")
     )
     with open(package / changed, "a") as stream:
         stream.write("\nMORE = 2\n")
-    monkeypatch.setattr(compiled, "PACKAGE", package)
+    monkeypatch.setattr(sources, "PACKAGE", package)
     _forget()
-    same = [name for name, stamp in before.items() if compiled.source_hash(name) == stamp]
+    same = [name for name, stamp in before.items() if sources.source_hash(name) == stamp]
     _forget()
     assert same == ["gcm_learn.seeding"]

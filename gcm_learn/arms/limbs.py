@@ -15,7 +15,7 @@ from typing import Any
 from gcm_learn.arms import chain_limb, spatial_limb, swivels
 from gcm_learn.arms.chain_limb import ChainLimb
 from gcm_learn.arms.spatial_limb import SpatialLimb
-from gcm_learn.dispatch import by_type, register
+from gcm_learn.compiled import by_type, register
 
 _FUNCTIONS: dict[str, Any] = {}
 

@@ -29,8 +29,7 @@ from gcm_learn.arms.limbs import (
 from gcm_learn.arms.link_gaps import near_links
 from gcm_learn.arms.spatial_limb import SpatialLimb
 from gcm_learn.collision.solids import bone_distance, point_distance
-from gcm_learn.compiled import njit
-from gcm_learn.dispatch import by_type
+from gcm_learn.compiled import by_type, njit
 from gcm_learn.scene.bodies import (
     BALL,
     LIMB,

@@ -5,8 +5,7 @@ from __future__ import annotations
 from gcm_learn.arms.limbs import place, self_gap, still
 from gcm_learn.arms.spatial_limb import SpatialLimb
 from gcm_learn.collision.postures import gap_to
-from gcm_learn.compiled import njit
-from gcm_learn.dispatch import by_type
+from gcm_learn.compiled import by_type, njit
 from gcm_learn.scene.bodies import TOP_SPEED
 from gcm_learn.scene.shapes.ball import off_bone
 from gcm_learn.scene.shapes.choice import inner_radius

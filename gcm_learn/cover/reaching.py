@@ -16,9 +16,8 @@ from gcm_learn.arms.limbs import place, self_gap, swept
 from gcm_learn.arms.planar_limb import PlanarLimb, elbow_of
 from gcm_learn.collision.distance import segment_distance
 from gcm_learn.collision.postures import gap_to
-from gcm_learn.compiled import njit
+from gcm_learn.compiled import by_type, njit
 from gcm_learn.cover.limits import elbow_rates
-from gcm_learn.dispatch import by_type
 from gcm_learn.scene.bodies import LIMB, PART, drift, pose_at
 
 NARROWEST = 1e-7  # share of a piece of the way at which a proof is given up

@@ -13,8 +13,7 @@ import numpy as np
 import gcm_learn.recall.hand_pushes as hand_pushes
 import gcm_learn.recall.joint_pushes as joint_pushes
 import gcm_learn.recall.timed_moves as timed_moves
-from gcm_learn.compiled import njit
-from gcm_learn.dispatch import by_type
+from gcm_learn.compiled import by_type, njit
 from gcm_learn.recall.hand_paths import HandQuery
 from gcm_learn.recall.joint_moves import JointQuery
 from gcm_learn.recall.meeting import copy_path, drop_waits, keep, meet

@@ -16,8 +16,7 @@ from gcm_learn.arms.chain_frames import PRISMATIC, line_of, parent_of
 from gcm_learn.arms.chain_limb import ChainLimb, place
 from gcm_learn.arms.limbs import hand_of, place as place_of
 from gcm_learn.arms.spatial_limb import SpatialLimb
-from gcm_learn.compiled import njit
-from gcm_learn.dispatch import by_type
+from gcm_learn.compiled import by_type, njit
 from gcm_learn.scene.bodies import HAND, PART, pose_at
 from gcm_learn.situation import AnySituation, spatial_frame_of
 

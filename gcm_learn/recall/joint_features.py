@@ -18,8 +18,7 @@ from gcm_learn.arms.chain_limb import REVOLUTE, ChainLimb
 from gcm_learn.arms.limbs import axis_of, dof, hand_of, place, still
 from gcm_learn.arms.spatial_limb import SpatialLimb, limb_at
 from gcm_learn.collision.postures import gap_to
-from gcm_learn.compiled import njit
-from gcm_learn.dispatch import by_type
+from gcm_learn.compiled import by_type, njit
 from gcm_learn.motion import Rules
 from gcm_learn.motion.joint_interception import approach_axis, has_approach
 from gcm_learn.planners.joints.moves import study_of, turning_time

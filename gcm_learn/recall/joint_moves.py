@@ -14,8 +14,7 @@ import numpy as np
 from gcm_learn.arms.limbs import dof, hand_of, place, reach_of
 from gcm_learn.arms.spatial_limb import SpatialLimb
 from gcm_learn.collision.postures import move_is_free
-from gcm_learn.compiled import njit
-from gcm_learn.dispatch import by_type
+from gcm_learn.compiled import by_type, njit
 from gcm_learn.motion.joint_interception import fastest_hand, target_room
 from gcm_learn.planners.joints.moves import PIECES, Study, time_of, turning_time
 from gcm_learn.planners.joints.pull import pulled

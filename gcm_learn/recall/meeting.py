@@ -8,8 +8,7 @@ from __future__ import annotations
 
 import gcm_learn.recall.hand_paths as hand_paths
 import gcm_learn.recall.joint_moves as joint_moves
-from gcm_learn.compiled import njit
-from gcm_learn.dispatch import by_type
+from gcm_learn.compiled import by_type, njit
 from gcm_learn.recall.hand_paths import HandQuery, HandWork
 from gcm_learn.recall.joint_moves import JointQuery, JointWork
 from gcm_learn.recall.styles import HURRY, POLAR

@@ -21,8 +21,7 @@ from gcm_learn.arms.limbs import hand_of, link, link_count, place
 from gcm_learn.arms.spatial_limb import limb_at
 from gcm_learn.collision.distance import segment_point2
 from gcm_learn.collision.postures import body_distance
-from gcm_learn.compiled import njit
-from gcm_learn.dispatch import by_type
+from gcm_learn.compiled import by_type, njit
 from gcm_learn.motion.joint_interception import approach_axis, has_approach
 from gcm_learn.recall.headings import AHEAD, Heading, heading_of, nearest_target
 from gcm_learn.scene import Scene

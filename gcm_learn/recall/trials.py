@@ -13,8 +13,7 @@ import numpy as np
 import gcm_learn.recall.hand_paths as hand_paths
 import gcm_learn.recall.joint_moves as joint_moves
 import gcm_learn.recall.timed_moves as timed_moves
-from gcm_learn.compiled import njit
-from gcm_learn.dispatch import by_type
+from gcm_learn.compiled import by_type, njit
 from gcm_learn.recall.freeing import again, free, habits, quick_check
 from gcm_learn.recall.hand_paths import HandQuery
 from gcm_learn.recall.joint_moves import JointQuery

@@ -18,8 +18,7 @@ import numpy as np
 from gcm_learn.arms.limbs import dof
 from gcm_learn.charts.posture_lattice import THERE, hand_of_node, is_there
 from gcm_learn.collision.postures import distance_at, move_is_free
-from gcm_learn.compiled import njit
-from gcm_learn.dispatch import by_type
+from gcm_learn.compiled import by_type, njit
 from gcm_learn.motion.joint_interception import target_room
 from gcm_learn.scene.bodies import HAND, PART, REACH, TOP_SPEED, centre_at
 from gcm_learn.wave.buckets import grown, left_in, put, queue_of, take

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from gcm_learn.compiled import njit
-from gcm_learn.dispatch import by_type
+from gcm_learn.compiled import by_type, njit
 from gcm_learn.planners.joints.goals import reach
 from gcm_learn.planners.joints.moves import time_of, turning_time
 from gcm_learn.planners.joints.pull import box

@@ -6,7 +6,7 @@ The one table of this folder; `spatial` and `chains` hold the kernels.
 from __future__ import annotations
 
 from gcm_learn.arms import ChainLimb, SpatialLimb
-from gcm_learn.dispatch import by_type
+from gcm_learn.compiled import by_type
 from gcm_learn.execution.arena.kernels.joints import chains, spatial
 from gcm_learn.execution.arena.kernels.joints.chains import ChainWorld
 from gcm_learn.execution.arena.kernels.world import World

@@ -56,10 +56,7 @@ def views_for(world, state, first, last):
         most = max(most, world.first[s + 1] - world.first[s])
     s = state.place[first]
     limb = limb_in(blank(world), world, s)
-    scene, rules = (
-        Scene(bodies_in(world, s), limb, _limits_in(world, s, dof(limb))),
-        rules_in(world, s),
-    )
+    scene = Scene(bodies_in(world, s), limb, _limits_in(world, s, dof(limb)))
     old = desk_of(scene)
     desk = Desk(
         np.zeros((most, 12)), old.curve, old.joints, old.spans, old.waiting, old.obstacles,
@@ -68,6 +65,7 @@ def views_for(world, state, first, last):
     n = dof(limb)
     joints, rates, jacobian = np.zeros((2, n)), np.zeros((4, n)), np.zeros((3, n))
     gaps, rows, own = np.empty(most), np.zeros((most, ROW_COLUMNS)), buffers(limb)
+    rules = rules_in(world, s)
     return View(scene, rules, 1.0, 1.0, desk, joints, rates, jacobian, gaps, rows, own)
 
 

@@ -1,4 +1,4 @@
-"""Compiled kernels and where their code is kept: numba's `njit`, cached by content.
+"""Kept machine code: numba's cache, by content, and behind it code that was compiled ahead.
 
 Numba renews a cached function when its own file changes, but not when a function that it calls
 does.  It keeps code beside the sources, where an installed package must not write.  Here code lies
@@ -6,43 +6,37 @@ in the user's cache folder, under the hash of a module's source and of all modul
 that it imports.  A change renews what depends on it, and equal sources share their code.  Each file
 holds the code for one list of types of arguments, under a hash of these types and of the sources
 behind them.  Code that cannot be read is compiled.
+
+Behind that folder lies another one, which is only read: the package `gcm_learn_kernels`. Its code
+was compiled ahead for a kind of processor that this one can stand in for.
 """
 
 from __future__ import annotations
 
 import contextlib
-import gc
+import importlib.util
+import json
+import os
 import pickle
-import re
 import sys
 import tempfile
 import time
 import zlib
-from collections.abc import Callable, Iterator, Sequence
-from functools import cache, cached_property
+from collections.abc import Callable, Iterator
+from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
+from llvmlite import binding as llvm
 from numba import __version__ as NUMBA
 from numba.core import config
 from numba.core.caching import CompileResultCacheImpl, FunctionCache
-from numba.core.registry import CPUDispatcher
 from numba.core.serialize import dumps
-from numba.core.types.misc import unliteral
 
 from gcm_learn import storage
-from gcm_learn.boxing import replace_numbas
-from gcm_learn.parts import PartCompiler, WholeCompiler, loading
+from gcm_learn.compiled.parts import loading
+from gcm_learn.compiled.sources import is_edited, source_hash
 
-replace_numbas()
-
-PACKAGE = Path(__file__).parent
-STARTED = time.time()
-UNCALLED = tuple(
-    f"gcm_learn.{name}"
-    for name in ("arms.robots", "errors", "late", "motion.as_obstacles", "storage")
-)
-"""Modules in which no kernel calls anything."""
 PATIENCE = 1.0  # of compiling, after which it is announced [s]
 NOTICE = (
     "gcm-learn: compiling for this kind of arm and planner, one or two minutes, once; "
@@ -75,81 +69,10 @@ def _unkept() -> Iterator[str]:
 
 on_compile: list[Callable[[], object]] = [say_compiling]
 """Called once, and taken out, when compiling takes its time because no code is kept."""
+KERNELS = "gcm_learn_kernels"
+"""Package with code that was compiled ahead, in its folder ``kernels`` with `MADE_FOR`."""
+MADE_FOR = "made_for.json"
 _missed: list[float] = []  # when the first code was not found [s]
-_IMPORT = re.compile(
-    r"^ *(?:from (gcm_learn[\w.]*) import (\([^)]*\)|[^\n(]*)|import (gcm_learn[\w.]*))", re.M
-)
-
-
-def njit(function: Callable[..., Any] | None = None, **options: Any) -> Any:
-    """Compile a function when it is first called, as ``numba.njit(cache=True)`` does.
-
-    Parameters
-    ----------
-    function : callable
-    **options
-        Numba's own.
-    """
-    if function is None:
-        return lambda later: njit(later, **options)
-    options.setdefault("no_cfunc_wrapper", True)  # for callers in C, and a seventh of compiling
-    if config.DISABLE_JIT:
-        return function
-    options = {"nopython": True, "boundscheck": None} | options
-    made = _Kernel(function, targetoptions=options, pipeline_class=WholeCompiler)
-    if _is_kept(function):
-        made._cache = _Cache(function)
-    return made
-
-
-class _Kernel(CPUDispatcher):  # type: ignore[misc]
-    """Compiled function with two codes: one for Python, and a part for functions that call it.
-
-    Each is compiled at its first call.  A function must not call itself.
-    """
-
-    @cached_property
-    def _part(self) -> CPUDispatcher:
-        """The part, without a wrapper for Python."""
-        options = self.targetoptions | {"no_cpython_wrapper": True}
-        made = CPUDispatcher(self.py_func, targetoptions=options, pipeline_class=PartCompiler)
-        if _is_kept(self.py_func):
-            made._cache = _PartCache(self.py_func)
-        return made
-
-    def get_call_template(self, args: Any, kws: Any) -> Any:
-        """Return the types of a call by another function; compile the part for it.
-
-        Numba has a type for every number in a source, for which it would compile a part once more.
-        """
-        plain = tuple(unliteral(given) for given in args)
-        return self._part.get_call_template(plain, kws)
-
-    def get_overload(self, sig: Any) -> Any:
-        """Return the key of the part."""
-        return self._part.get_overload(sig)
-
-    def compile(self, sig: Any) -> Any:
-        """Compile the function for Python, and load the environments of its parts."""
-        with _without_collection():
-            entry = super().compile(sig)
-        made = self.overloads[tuple(_arguments(sig))]
-        for environment in made._find_referenced_environments():
-            made.codegen.set_env(environment.env_name, environment)
-        return entry
-
-
-@contextlib.contextmanager
-def _without_collection() -> Iterator[None]:
-    """Pause the collection of garbage, which takes a tenth of compiling and finds little."""
-    if not gc.isenabled():
-        yield
-        return
-    gc.disable()
-    try:
-        yield
-    finally:
-        gc.enable()
 
 
 def _tell_listeners() -> None:
@@ -160,7 +83,7 @@ def _tell_listeners() -> None:
         on_compile.pop()()
 
 
-def _is_kept(function: Callable[..., Any]) -> bool:
+def is_kept(function: Callable[..., Any]) -> bool:
     """Return whether a function's code is kept on disk."""
     return _is_ours(function.__module__) and not is_edited(function.__module__)
 
@@ -184,68 +107,35 @@ def folder() -> Path:
     return Path(config.CACHE_DIR) if config.CACHE_DIR else storage.user_cache("kernels")
 
 
-@cache
-def source_hash(module: str) -> str:
-    """Hash of a module's source and of all modules of the package that it imports, and so on."""
-    parts: list[str | bytes] = []
-    for path in sorted(_sources_of(module)):
-        parts += [path.relative_to(PACKAGE).as_posix(), path.read_bytes()]
-    return storage.content_hash(*parts)[:16]
+class Ahead(NamedTuple):
+    """Code that was compiled ahead."""
+
+    folder: Path
+    machine: tuple[str, str, str]
+    """Platform, processor and its features, as LLVM names them."""
 
 
 @cache
-def is_edited(module: str) -> bool:
-    """Return whether sources of a module's code have changed while this process ran.
-
-    It may have read them before the change. Then the hash is not that of what it compiles, and code
-    kept under it would break other processes: so such code is neither kept nor looked for.
-    """
-    written = [path.stat().st_mtime for path in _sources_of(module)]
-    return any(STARTED < when <= time.time() for when in written)
-
-
-def sources_hash(folders: Sequence[str]) -> str:
-    """Hash of the sources in some folders of the package."""
-    parts: list[str | bytes] = []
-    for name in folders:
-        for path in sorted((PACKAGE / name).rglob("*.py")):
-            parts += [path.name, path.read_bytes()]
-    return storage.content_hash(*parts)[:16]
+def ahead() -> Ahead | None:
+    """Return the code that was compiled ahead, if this processor can run it and it is wanted."""
+    spec = None if os.environ.get("GCM_LEARN_NATIVE") else importlib.util.find_spec(KERNELS)
+    if spec is None or spec.origin is None:
+        return None
+    place = Path(spec.origin).parent / "kernels"
+    try:
+        triple, processor, features = json.loads((place / MADE_FOR).read_text("utf-8"))
+    except (OSError, ValueError):
+        return None
+    own = llvm.get_host_cpu_features()
+    able = all(own.get(feature[1:]) for feature in features.split(",") if feature.startswith("+"))
+    here = able and triple == llvm.get_process_triple()
+    return Ahead(place, (triple, processor, features)) if here else None
 
 
-@cache
-def _sources_of(module: str) -> set[Path]:
-    """The file of a module and of all that it imports from the package."""
-    found: set[Path] = set()
-    waiting = [module]
-    while waiting:
-        path = _path_of(waiting.pop())
-        if path is not None and path not in found:
-            found.add(path)
-            waiting += _imports_of(path)
-    return found
-
-
-@cache
-def _path_of(module: str) -> Path | None:
-    """File of a module of the package, None if the name is something else."""
-    place = PACKAGE.joinpath(*module.split(".")[1:])
-    if place == PACKAGE or module.startswith(UNCALLED):
-        return None  # the package's front door imports everything
-    for path in (place.with_suffix(".py"), place / "__init__.py"):
-        if path.is_file():
-            return path
-    return None
-
-
-@cache
-def _imports_of(path: Path) -> list[str]:
-    """Return modules of the package that a file imports, among other names."""
-    found = []
-    for parent, names, whole in _IMPORT.findall(path.read_text(encoding="utf-8")):
-        found.append(whole or parent)
-        found += [f"{parent}.{name}" for name in re.findall(r"\w+", names)]
-    return found
+def folder_of(function: Callable[..., Any]) -> str:
+    """Return the name of the folder with the code of a function's module."""
+    module = function.__module__
+    return f"{module.removeprefix('gcm_learn.')}-{source_hash(module)}"
 
 
 class _Locator:
@@ -255,7 +145,7 @@ class _Locator:
         self._py_file = py_file
         self._line = py_func.__code__.co_firstlineno
         self._stamp = source_hash(py_func.__module__)
-        self._folder = folder() / f"{py_func.__module__.removeprefix('gcm_learn.')}-{self._stamp}"
+        self._folder = folder() / folder_of(py_func)
 
     @classmethod
     def from_function(cls, py_func: Callable[..., Any], py_file: str) -> _Locator:
@@ -323,7 +213,7 @@ class _CacheFile:
             path.unlink(missing_ok=True)
 
 
-class _Cache(FunctionCache):
+class Cache(FunctionCache):
     """Numba's cache of a function, in our place, and no reason to fail if that cannot be used.
 
     Code for limbs of other modules is compiled anew in each process.  The hash lacks the sources of
@@ -335,6 +225,7 @@ class _Cache(FunctionCache):
     def __init__(self, py_func: Callable[..., Any]) -> None:
         super().__init__(py_func)
         self._cache_file = _CacheFile(self._cache_path, self._impl.filename_base)
+        self._function = py_func
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """Return the code of a signature; None where it has to be compiled."""
@@ -342,9 +233,19 @@ class _Cache(FunctionCache):
         with contextlib.suppress(Exception):  # whatever is wrong with what is kept
             if _may_keep(sig):
                 code = super().load_overload(sig, target_context)
+                code = self._made_ahead(sig, target_context) if code is None else code
         if code is None:
             _tell_listeners()
         return code
+
+    def _made_ahead(self, sig: Any, target_context: Any) -> Any:
+        """Return the code of a signature that was compiled ahead, if there is any."""
+        made = ahead()
+        if made is None:
+            return None
+        file = _CacheFile(str(made.folder / folder_of(self._function)), self._impl.filename_base)
+        data = file.load(self._key(sig, target_context.codegen(), made.machine))
+        return None if data is None else self._impl.rebuild(target_context, data)
 
     def save_overload(self, sig: Any, data: Any) -> None:
         """Keep the code of a signature; where that cannot be done it is not kept."""
@@ -354,10 +255,15 @@ class _Cache(FunctionCache):
 
     def _index_key(self, sig: Any, codegen: Any) -> str:
         """Return a hash of types of arguments, of the sources behind them, and of the machine."""
+        return self._key(sig, codegen, codegen.magic_tuple())
+
+    def _key(self, sig: Any, codegen: Any, machine: tuple[str, ...]) -> str:
+        """Return the hash for a platform, a processor and its features."""
         known = [(module, source_hash(module)) for module in _modules_of(_arguments(sig))]
         types = [str(given) for given in _arguments(sig)]
-        _, *machine = super()._index_key(None, codegen)
-        return storage.content_hash(repr((types, known, machine, NUMBA)))[:24]
+        code = super()._index_key(None, codegen)[-1]
+        made_of = types, known, machine, code, sys.version_info[:2], NUMBA
+        return storage.content_hash(repr(made_of))[:24]
 
 
 class _PartImpl(_CacheImpl):
@@ -375,7 +281,9 @@ class _PartImpl(_CacheImpl):
             return super().rebuild(target_context, payload)
 
 
-class _PartCache(_Cache):
+class PartCache(Cache):
+    """Numba's cache of a part."""
+
     _impl_class = _PartImpl
 
 

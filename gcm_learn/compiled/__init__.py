@@ -1,0 +1,14 @@
+"""Compiled kernels: the one folder in which private parts of numba are used."""
+
+from gcm_learn.compiled.cache import (
+    folder as folder,
+    on_compile as on_compile,
+    say_compiling as say_compiling,
+)
+from gcm_learn.compiled.dispatch import by_type as by_type, register as register
+from gcm_learn.compiled.kernels import njit as njit
+from gcm_learn.compiled.sources import (
+    PACKAGE as PACKAGE,
+    source_hash as source_hash,
+    sources_hash as sources_hash,
+)
