@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 from tyro.conf import Positional, arg
 
@@ -16,7 +16,7 @@ from gcm_learn.errors import UnknownNameError
 
 if TYPE_CHECKING:
     from gcm_learn.dataset import Dataset
-    from gcm_learn.recall import Index
+    from gcm_learn.recall import Index, LearnedIndex, Memory
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,8 @@ class Make:
     """folder for the memory"""
 
     index: Annotated[str, arg(metavar="NAME")] = "raw"
-    """how memories are found again: raw, pca or random, or the folder of an encoder"""
+    """how memories are found again: raw, pca or random, or an encoder: a folder, or the name of one
+    that ships, such as encoder-map"""
 
     planner: Annotated[str | None, given("NAME", "the earliest of all")] = None
     """whose catches are remembered"""
@@ -84,9 +85,11 @@ class Make:
 
 @dataclass(frozen=True)
 class Embed:
-    """Write the embeddings of catches, of a dataset or a memory, by an encoder.
+    """Write the embeddings of a dataset's maps, or of the catches of a dataset or a memory.
 
-    The file holds `embeddings` (n, dim) and the names of `families` and `strata` (n,).
+    An encoder of maps embeds the map of every record that holds one. Where none are stored it
+    makes those of the catches. The file holds `embeddings` (n, dim), `index` (n,), the records'
+    numbers, and the names of `families` and `strata` (n,).
     """
 
     source: Annotated[Positional[Path], arg(metavar="DIR")]
@@ -96,7 +99,8 @@ class Embed:
     """a .npz file"""
 
     encoder: Annotated[str | None, given("DIR", "the one that ships")] = None
-    """folder of an encoder, see gcm-learn train encoder"""
+    """folder of an encoder, see gcm-learn train encoder, or the name of one that ships, such as
+    encoder-map"""
 
     split: Annotated[str, arg(metavar="NAME")] = "train"
     """which records of a dataset: a split's name, or all"""
@@ -110,21 +114,41 @@ class Embed:
         refuse_missing(self.source)
         import numpy as np
 
-        from gcm_learn import artifacts
         from gcm_learn.recall import LearnedIndex, Memory, is_memory, remember
 
-        index = LearnedIndex.load(Path(self.encoder or artifacts.shipped("models") / "encoder"))
+        index = LearnedIndex.load(_encoder(self.encoder or "encoder"))
         if is_memory(self.source):
-            memory = Memory.load(self.source).refiled(index)
+            rows = _rows(Memory.load(self.source).refiled(index))
         else:
-            memory = remember(split_of(str(self.source), self.split), index, most=self.most)
+            records = split_of(str(self.source), self.split)[: self.most]
+            own = index.encoder.config.memory == "map" and records.spec.map != "none"
+            rows = _own_maps(records, index) if own else _rows(remember(records, index))
         with staged(self.out) as place:
-            np.savez_compressed(
-                place, embeddings=memory.embeddings,
-                families=np.array(memory.families), strata=np.array(memory.strata),
-            )  # fmt: skip
-        print(f"{self.out}: {len(memory)} embeddings of {index.dim} numbers, key {index.key}")
+            np.savez_compressed(place, key=index.key, **rows)
+        count = len(rows["embeddings"])
+        print(f"{self.out}: {count} embeddings of {index.dim} numbers, key {index.key}")
         return 0
+
+
+def _rows(memory: Memory) -> dict[str, Any]:
+    """Return the embeddings of a memory's catches, and what is known of these."""
+    return {
+        "embeddings": memory.embeddings, "index": range(len(memory)),
+        "families": memory.families, "strata": memory.strata, "memory": memory.digest,
+    }  # fmt: skip
+
+
+def _own_maps(records: Dataset, index: LearnedIndex) -> dict[str, Any]:
+    """Return the embeddings of the maps that records hold, and what is known of these."""
+    from gcm_learn.recall import embed
+
+    held = [record for record in records if record.map is not None]
+    return {
+        "embeddings": embed((made for record in held if (made := record.map)), index.encoder),
+        "index": [record.index for record in held],
+        "families": [record.family for record in held],
+        "strata": [record.stratum for record in held],
+    }
 
 
 def split_of(folder: str, split: str) -> Dataset:
@@ -141,10 +165,17 @@ def split_of(folder: str, split: str) -> Dataset:
     return records if split == "all" else records.where(split=split)
 
 
+def _encoder(name: str) -> Path:
+    """Return the folder of an encoder by its name, or by itself."""
+    from gcm_learn import artifacts
+    from gcm_learn.recall import CONFIG
+
+    return Path(name) if Path(name).is_dir() else artifacts.model(name, CONFIG) or Path(name)
+
+
 def _index(name: str) -> str | Index:
-    """Return the trained index of a folder, or the name itself."""
-    if not Path(name).is_dir():
-        return name
+    """Return the index of an encoder, or the name itself."""
     from gcm_learn.recall import LearnedIndex
 
-    return LearnedIndex.load(Path(name))
+    folder = _encoder(name)
+    return LearnedIndex.load(folder) if folder.is_dir() else name

@@ -252,6 +252,10 @@ class SpatialCase(Case):
             return plan.caught
         return without_waits(self.problem, plan) is not None
 
+    def _explored(self) -> CognitiveMap:
+        params = MarchingParams(n=self.spec.n, margin=0.0)
+        return build_map(self.situation, params, scene=self.problem.scene)
+
     def _asked(self, name: str) -> Plan:
         effort = self.spec.effort if name == self.persistent else None
         known: Any = get_planner(name) if effort is None else search_in_space(effort)

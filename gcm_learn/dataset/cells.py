@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -16,47 +16,44 @@ import numpy as np
 import pyarrow as pa
 
 from gcm_learn.arms import Kind
-from gcm_learn.charts import Lattice
-from gcm_learn.dataset.kinds import BITS, COUNT, NUMBER, RECORDS, WORD
-from gcm_learn.maps import CognitiveMap, Interception
+from gcm_learn.charts import chart_of
+from gcm_learn.dataset.kinds import RECORDS
+from gcm_learn.maps import MAPS, CognitiveMap, Interception, chain_to
 from gcm_learn.motion import Failure
 from gcm_learn.planners import Plan
 from gcm_learn.seeding import rng
-from gcm_learn.situation import AnySituation, Situation
+from gcm_learn.situation import AnySituation
 from gcm_learn.storage import whole_folder
 from gcm_learn.wave import WaveParams
 
 UNREACHED = 65535  # step count of cells without an arrival
 STEP = WaveParams().step  # [tau] a step count is one Euler step of the wave, whatever the engine
 
-MAP = {
-    "arrival": BITS,
-    "effective_obstacles": BITS,
-    "effective_target": BITS,
-    "later": BITS,
-    "quantum": NUMBER,
-    "kappa": NUMBER,
-    "contact_cell": COUNT,
-    "contact_time": NUMBER,
-    "contact_body": WORD,
-}
-
 
 def map_cells(made: CognitiveMap) -> Sequence[Any]:
-    """The cells of a map, in the order of MAP."""
+    """The cells of a map, in the order of its columns."""
     quantum, later, contact = made.kappa * STEP, made.later, made.interception
-    where = None if contact is None else contact.cell[0] * made.lattice.n + contact.cell[1]
-    return (
+    cells = (
         counts_of(made.arrival, quantum).tobytes(),
         np.packbits(made.effective_obstacles).tobytes(),
         np.packbits(made.effective_target).tobytes(),
         None if later is None else counts_of(later, quantum).tobytes(),
         quantum,
         made.kappa,
-        where,
+        None if contact is None else made.met,
         None if contact is None else contact.time,
         None if contact is None else contact.body,
     )
+    return cells if made.via is None else (*cells, *_way_cells(made))
+
+
+def _way_cells(made: CognitiveMap) -> tuple[bytes, bytes | None]:
+    """Return how far back the front came from to each node, and the postures to the contact."""
+    assert made.via is not None
+    via, way = made.via.ravel(), None
+    if made.joints is not None and made.interception is not None:
+        way = made.joints[chain_to(made, made.met)].astype("<f4").tobytes()
+    return np.where(via < 0, 0, via - np.arange(via.size)).astype("<i2").tobytes(), way
 
 
 def counts_of(arrival: np.ma.MaskedArray, quantum: float) -> np.ndarray:
@@ -68,26 +65,38 @@ def counts_of(arrival: np.ma.MaskedArray, quantum: float) -> np.ndarray:
     return np.where(np.ma.getmaskarray(arrival), UNREACHED, steps).astype("<u2")
 
 
-def map_of(situation: Situation, engine: str, n: int, cells: Sequence[Any]) -> CognitiveMap:
-    """The map of n x n cells that an engine made for a situation."""
-    arrival, obstacles, target, later, quantum, kappa, cell, time, body = cells
-    arm, contact = situation.arm, None
-    lattice = Lattice(n, arm.upper_arm, arm.elbow)
-    if cell is not None:
-        iy, ix = divmod(cell, n)
-        position = (float(lattice.centres[ix]), float(lattice.centres[iy]))
-        contact = Interception((iy, ix), position, time, body)
-    return CognitiveMap(
-        chart=lattice,
-        hand=arm.hand,
-        arrival=_arrival(arrival, quantum, (n, n)),
-        effective_obstacles=_bits(obstacles, n),
-        effective_target=_bits(target, n),
+def map_of(situation: AnySituation, engine: str, n: int, cells: Sequence[Any]) -> CognitiveMap:
+    """The map of n cells a side that an engine made for a situation."""
+    arrival, obstacles, target, later, quantum, kappa, met, time, body, *way = cells
+    chart, contact = chart_of(situation, n), None
+    if met is not None:
+        cell = tuple(int(i) for i in np.unravel_index(met, chart.shape))
+        contact = Interception(cell, chart.hand_at(met), time, body)
+    made = CognitiveMap(
+        chart=chart,
+        hand=MAPS.of(chart.kind).hand(situation.arm, chart),
+        arrival=_arrival(arrival, quantum, chart.shape),
+        effective_obstacles=_bits(obstacles, chart.shape),
+        effective_target=_bits(target, chart.shape),
         interception=contact,
         kappa=kappa,
         engine=engine,
-        later=None if later is None else _arrival(later, quantum, (-1, n, n)),
+        later=None if later is None else _arrival(later, quantum, (-1, *chart.shape)),
     )
+    return _with_way(made, *way) if way else made
+
+
+def _with_way(made: CognitiveMap, via: bytes, way: bytes | None) -> CognitiveMap:
+    """Return a map with the way of its front; of a chain's postures those to the contact."""
+    back = np.frombuffer(via, "<i2").astype(int)
+    nodes = np.where(back == 0, -1, back + np.arange(back.size))
+    made = replace(made, via=nodes.reshape(made.chart.shape))
+    if way is None:
+        return made
+    postures = np.frombuffer(way, "<f4").reshape(-1, len(made.chart.arm.joints))  # type: ignore[attr-defined]
+    joints = np.full((back.size, postures.shape[1]), np.nan)
+    joints[chain_to(made, made.met)] = postures
+    return replace(made, joints=joints)
 
 
 def _arrival(cell: bytes, quantum: float, shape: tuple[int, ...]) -> np.ma.MaskedArray:
@@ -95,9 +104,9 @@ def _arrival(cell: bytes, quantum: float, shape: tuple[int, ...]) -> np.ma.Maske
     return np.ma.MaskedArray(counts * quantum, mask=counts == UNREACHED)
 
 
-def _bits(packed: bytes, n: int) -> np.ndarray:
-    bits = np.unpackbits(np.frombuffer(packed, np.uint8), count=n * n)
-    return bits.reshape(n, n).astype(bool)
+def _bits(packed: bytes, shape: tuple[int, ...]) -> np.ndarray:
+    bits = np.unpackbits(np.frombuffer(packed, np.uint8), count=math.prod(shape))
+    return bits.reshape(shape).astype(bool)
 
 
 def plan_cell(kind: Kind, plan: Plan) -> dict[str, Any]:

@@ -12,6 +12,7 @@ import numpy as np
 import pyarrow as pa
 
 from gcm_learn.arms import CHAIN, PLANAR, SPATIAL, Arm, Base, ByKind, Chain, Kind, SpatialArm
+from gcm_learn.charts import LARGEST_LATTICE
 from gcm_learn.dataset.cases import Case, ChainCase, PlanarCase, SpatialCase
 from gcm_learn.motion import Movement, fastest_hand
 from gcm_learn.scene import pack
@@ -37,6 +38,19 @@ CHAIN_PLAN = pa.struct(
         pa.field("caught_times", pa.list_(NUMBER)),
     ]
 )
+MAP: Types = {
+    "arrival": BITS,
+    "effective_obstacles": BITS,
+    "effective_target": BITS,
+    "later": BITS,
+    "quantum": NUMBER,
+    "kappa": NUMBER,
+    "contact_cell": COUNT,
+    "contact_time": NUMBER,
+    "contact_body": WORD,
+}
+MAP_IN_SPACE: Types = {**MAP, "via": BITS, "way": BITS}
+COARSE = 40  # cells along a side of a map in space at most: 64,000 cells
 BASE: Types = {"origin": pa.list_(NUMBER), "rotation": pa.list_(NUMBER)}
 
 
@@ -198,8 +212,12 @@ class RecordKind:
     """Length of the upper arm and top speed of the hand of a situation's arm."""
     case: type[Case]
     """A situation with the answers of planners to it."""
-    maps: bool
-    """True if records may have maps."""
+    map: Types
+    """Columns of a map."""
+    engines: tuple[str, ...]
+    """Engines that may make it."""
+    largest: int
+    """Cells along a side of a map at most."""
     efforts: bool
     """True if the effort of a search may be limited."""
     oracle: bool = True
@@ -222,7 +240,9 @@ RECORDS = ByKind(
             forearm=planar_forearm,
             sizes=planar_sizes,
             case=PlanarCase,
-            maps=True,
+            map=MAP,
+            engines=("wave", "marching", "layered"),
+            largest=LARGEST_LATTICE,
             efforts=False,
         ),
         SPATIAL: RecordKind(
@@ -237,7 +257,9 @@ RECORDS = ByKind(
             forearm=spatial_forearm,
             sizes=spatial_sizes,
             case=SpatialCase,
-            maps=False,
+            map=MAP_IN_SPACE,
+            engines=("marching",),
+            largest=COARSE,
             efforts=True,
         ),
         CHAIN: RecordKind(
@@ -252,7 +274,9 @@ RECORDS = ByKind(
             forearm=chain_reach,
             sizes=chain_sizes,
             case=ChainCase,
-            maps=False,
+            map=MAP_IN_SPACE,
+            engines=("marching",),
+            largest=COARSE,
             efforts=False,
             oracle=False,
             several=True,

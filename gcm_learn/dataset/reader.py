@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, overload
 import numpy as np
 import pyarrow as pa
 
+from gcm_learn.arms import PLANAR
 from gcm_learn.dataset.cells import COLUMNS, WINDOW, Example, MapCache, build_cache, stream
 from gcm_learn.dataset.folder import SHARDS, Folder
 from gcm_learn.dataset.manifest import Manifest, read_manifest, spec_of
@@ -225,9 +226,11 @@ class Dataset(Sequence[Record]):
         )  # fmt: skip
 
     def _check_maps(self) -> None:
-        """Refuse records without maps."""
+        """Refuse records without maps, and maps in space."""
         if self.spec.map == "none":
             raise DatasetError(f"{self.folder.url}: its records hold no maps")
+        if self.spec.kind is not PLANAR:
+            raise DatasetError(f"{self.folder.url}: caches and streams are of maps of the plane")
 
     def groups(self) -> list[Group]:
         """The row groups that hold its records, for readers that read whole ones."""

@@ -13,9 +13,9 @@ from typing import Any, Generic, TypeVar, overload
 import numpy as np
 import pyarrow as pa
 
-from gcm_learn.arms import Base
+from gcm_learn.arms import PLANAR, Base
 from gcm_learn.dataset.cases import OracleLabel
-from gcm_learn.dataset.cells import MAP, map_cells, map_of, plan_cell, plan_of
+from gcm_learn.dataset.cells import map_cells, map_of, plan_cell, plan_of
 from gcm_learn.dataset.kinds import COUNT, NUMBER, RECORDS, WORD, Types
 from gcm_learn.dataset.spec import STRATA, DatasetSpec
 from gcm_learn.dataset.splits import QUANTITIES
@@ -185,7 +185,7 @@ class Record:
     )
     """The situation as numbers (m,) float32; what they mean is its structure."""
     map = Part[CognitiveMap | None](
-        lambda spec: {} if spec.map == "none" else MAP,
+        lambda spec: {} if spec.map == "none" else RECORDS.of(spec.kind).map,
         lambda _, made: map_cells(made),
         lambda record, *cells: (
             map_of(record.situation, record.spec.map, record.n, cells) if cells else None
@@ -243,8 +243,8 @@ class Record:
     @property
     def counts(self) -> np.ndarray | None:
         """Arrivals (n, n) uint16 in steps of `quantum` seconds; 65535 without arrival."""
-        cell = self.row.get("arrival")
-        return None if cell is None else np.frombuffer(cell, "<u2").reshape(self.n, self.n)
+        cell, shape = self.row.get("arrival"), (self.n,) * (2 if self.spec.kind is PLANAR else 3)
+        return None if cell is None else np.frombuffer(cell, "<u2").reshape(shape)
 
 
 PARTS: tuple[Part[Any], ...] = tuple(p for p in vars(Record).values() if isinstance(p, Part))

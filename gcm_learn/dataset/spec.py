@@ -84,9 +84,9 @@ class DatasetSpec:
     effort: float | None = None
     """In space: share of the moves that `search` checks before it gives up; all when absent."""
     map: Literal["wave", "marching", "layered", "none"] = "wave"
-    """Engine of the map that a record holds; none in space, where it has half a million cells."""
+    """Engine of the map that a record holds; in space "marching" or "none"."""
     n: int = 80
-    """Cells along a side of the map."""
+    """Cells along a side of the map; in space at most 40."""
     label: Literal["fast", "oracle"] = "fast"
     """Judge of the stratum: the planners straight, marching and layered, in space straight
     and search (without waits first), or the oracle."""
@@ -136,8 +136,12 @@ class DatasetSpec:
         if self.effort is not None and not known.efforts:
             others = (kind.plural for kind in RECORDS if RECORDS.of(kind).efforts)
             raise SpecError("effort", f"is for {' and '.join(others)}")
-        if self.map != "none" and not known.maps:
-            raise SpecError("map", f"must be 'none' for {self.kind.plural} (got {self.map!r})")
+        if self.map != "none" and self.map not in known.engines:
+            names = f"{' or '.join(map(repr, known.engines))} or 'none'"
+            raise SpecError("map", f"must be {names} for {self.kind.plural} (got {self.map!r})")
+        if self.map != "none" and self.n > known.largest:
+            most = f"at most {known.largest} for maps of {self.kind.plural}"
+            raise SpecError("n", f"must be {most} (got {self.n})")
         for name, asks in (("label", self.label == "oracle"), ("audit", self.audit > 0.0)):
             if asks and not known.oracle:
                 raise SpecError(name, f"the oracle does not take {self.kind.plural}")

@@ -6,5 +6,9 @@ from gcm_learn.maps.build import (
     map_of as map_of,
     static_twin as static_twin,
 )
-from gcm_learn.maps.cognitive_map import CognitiveMap as CognitiveMap, Interception as Interception
+from gcm_learn.maps.cognitive_map import (
+    MAPS as MAPS,
+    CognitiveMap as CognitiveMap,
+    Interception as Interception,
+)
 from gcm_learn.maps.descent import chain_to as chain_to, descend as descend

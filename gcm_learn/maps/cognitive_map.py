@@ -194,6 +194,12 @@ class CognitiveMap:
             return -1
         return int(np.ravel_multi_index(self.interception.cell, self.chart.shape))
 
+    def postures(self, nodes: np.ndarray) -> np.ndarray:
+        """Return the postures (m, dof) of some nodes (m,), of an arm that moves in its joints."""
+        chart: Any = self.chart
+        found: np.ndarray = chart.joints_at(nodes) if self.joints is None else self.joints[nodes]
+        return found
+
     def save(self, path: str | Path) -> Path:
         """Write a map over a lattice to an .npz file (whole or not at all); returns its path."""
         path = Path(path).with_suffix(".npz")

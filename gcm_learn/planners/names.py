@@ -18,6 +18,7 @@ SUMMARIES = {
     "potential": "is pulled to the target and pushed away from obstacles",
     "recall": "adapts remembered catches to the situation, and checks up to 20 of them",
     "recall-1": "adapts the catch that it remembers best",
+    "recall-map": "finds memories by embeddings of their situations' maps",
     "recall-pca": "finds memories by principal components of maps",
     "recall-random": "adapts up to 20 memories drawn at random: what checking alone is worth",
     "recall-raw": "finds memories by what situations are made of, without an encoder",

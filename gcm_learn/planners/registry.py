@@ -44,6 +44,7 @@ _ABOVE = {
     "hybrid": "gcm_learn.recall.planners:hybrid",
     "recall": "gcm_learn.recall.planners:recall",
     "recall-1": "gcm_learn.recall.planners:first_choice",
+    "recall-map": "gcm_learn.recall.planners:recall_map",
     "recall-pca": "gcm_learn.recall.planners:recall_pca",
     "recall-random": "gcm_learn.recall.planners:recall_random",
     "recall-raw": "gcm_learn.recall.planners:recall_raw",

@@ -14,6 +14,11 @@ from gcm_learn.recall.adaptation import (
     adapt as adapt,
     transfer as transfer,
 )
+from gcm_learn.recall.embedding import (
+    embed as embed,
+    map_encoder as map_encoder,
+    nearest as nearest,
+)
 from gcm_learn.recall.encoder import (
     CONFIG as CONFIG,
     Encoder as Encoder,
@@ -21,7 +26,6 @@ from gcm_learn.recall.encoder import (
     load_encoder as load_encoder,
     save_encoder as save_encoder,
 )
-from gcm_learn.recall.features import map_picture as map_picture
 from gcm_learn.recall.files import MANIFEST as MANIFEST, is_memory as is_memory
 from gcm_learn.recall.growth import remember as remember
 from gcm_learn.recall.index import (

@@ -13,7 +13,7 @@ import dataclasses
 import importlib
 import json
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -25,6 +25,7 @@ import numpy as np
 from gcm_learn.arms import PLANAR, Kind, kind_named
 from gcm_learn.compiled import njit
 from gcm_learn.errors import EncoderError, MissingExtraError
+from gcm_learn.maps import CognitiveMap
 from gcm_learn.recall.features import Features
 from gcm_learn.recall.kinds import MEMORIES
 from gcm_learn.scene import Scene
@@ -72,8 +73,6 @@ class EncoderConfig:
         known = [kind.name for kind in MEMORIES]
         if self.arm not in known:
             raise EncoderError(f"arm: must be one of {', '.join(known)} (got {self.arm!r})")
-        if self.uses_maps and MEMORIES.of(self.kind).map_features is None:
-            raise EncoderError(f"memory: {self.memory!r} needs maps; chains have none")
         for name in ("listwise", "contrast", "decay", "hard"):
             if not getattr(self, name) >= 0.0:
                 raise EncoderError(f"{name}: must not be negative (got {getattr(self, name)!r})")
@@ -229,17 +228,32 @@ class Encoder:
             Columns of `Waypoints`.
         """
         out = np.zeros((len(knots), self.dim), dtype=np.float32)
-        picture = MEMORIES.of(self.kind).map_features
         for first in range(0, len(knots), CHUNK):
             part = slice(first, first + CHUNK)
             if self.config.uses_traces:
                 paths = MEMORIES.of(self.kind).path_features(knots[part], goals[part])
-                self._check("memory", paths.shape[1], self._memory["trace"])
-                out[part] += self._memory["trace"](paths)
-            if self.config.uses_maps and picture is not None:
-                maps = np.array([picture(s) for s in situations[part]])
-                out[part] += self._memory["map"](maps)
+                out[part] += self.embed_paths(paths)
+            if self.config.uses_maps:
+                out[part] += self.embed_maps(map(MEMORIES.of(self.kind).map_of, situations[part]))
         return out
+
+    def embed_paths(self, paths: np.ndarray) -> np.ndarray:
+        """Embeddings (n, dim) float32 of paths by their features (n, m)."""
+        self._check("memory", paths.shape[1], self._memory["trace"])
+        return self._memory["trace"](paths)
+
+    def embed_maps(self, maps: Iterable[CognitiveMap]) -> np.ndarray:
+        """Embeddings (n, dim) float32 of maps of canonical situations."""
+        if not self.config.uses_maps:
+            raise EncoderError(f"encoder {self.key}: embeds memories by their paths, not by maps")
+        rows = []
+        for made in maps:
+            if made.chart.kind != self.kind:
+                found = made.chart.kind.plural
+                raise EncoderError(f"encoder {self.key}: of {self.kind.plural}, the map of {found}")
+            rows.append(MEMORIES.of(self.kind).map_features(made))
+            self._check("map", len(rows[-1]), self._memory["map"])
+        return self._memory["map"](np.array(rows)) if rows else np.zeros((0, self.dim), np.float32)
 
 
 @njit(fastmath={"reassoc", "contract"})

@@ -12,8 +12,8 @@ import numpy as np
 from gcm_learn import seeding
 from gcm_learn.errors import EncoderError, RecallError, UnknownNameError
 from gcm_learn.recall.encoder import Encoder, load_encoder, save_encoder
-from gcm_learn.recall.features import map_picture
 from gcm_learn.recall.kinds import MEMORIES, raw_features
+from gcm_learn.recall.map_features import planar_map, planar_map_features
 from gcm_learn.recall.raw_features import HAND_COUNT, Scale
 from gcm_learn.recall.waypoints import Waypoints
 from gcm_learn.scene import Scene
@@ -268,9 +268,9 @@ class PcaIndex(Numbers):
 
     scale: Scale
     centre: np.ndarray
-    """(2 CELLS CELLS,): mean of the maps."""
+    """(n,): mean of the maps' features."""
     components: np.ndarray
-    """(most, 2 CELLS CELLS)"""
+    """(most, n)"""
     waves: np.ndarray
     """(COUNT, COSINES)"""
     phases: np.ndarray
@@ -286,7 +286,7 @@ class PcaIndex(Numbers):
         """Components of the situations' maps, and the regression from raw parameters to them."""
         if any(MEMORIES.of(situation).in_joints for situation in situations):
             raise RecallError("index 'pca': knows maps of the plane only")
-        pictures = np.array([map_picture(s) for s in situations])
+        pictures = np.array([_map(s) for s in situations])
         features = np.array([raw_features(s) for s in situations])
         centre = pictures.mean(axis=0)
         scale, rng = Scale.of(features), seeding.rng(seed)
@@ -334,8 +334,13 @@ class PcaIndex(Numbers):
         self, situations: Sequence[Any], trajectories: Sequence[Waypoints]
     ) -> np.ndarray:
         """Return the places of the maps of memories."""
-        rows = [self.components @ (map_picture(s) - self.centre) for s in situations]
+        rows = [self.components @ (_map(s) - self.centre) for s in situations]
         return nearest_rows(np.array(rows).reshape(-1, len(self.components)))
+
+
+def _map(situation: Any) -> np.ndarray:
+    """Return features (n,) of a planar situation's map."""
+    return planar_map_features(planar_map(situation))
 
 
 def _components(pictures: np.ndarray, most: int, rng: np.random.Generator) -> np.ndarray:

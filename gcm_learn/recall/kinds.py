@@ -10,6 +10,7 @@ import numpy as np
 
 from gcm_learn.arms import CHAIN, PLANAR, SPATIAL, ByKind, Kind, kind_of
 from gcm_learn.errors import ArmKindError, RecallError
+from gcm_learn.maps import CognitiveMap
 from gcm_learn.planners import (
     Plan,
     Problem,
@@ -29,10 +30,14 @@ from gcm_learn.recall.features import (
     Features,
     hand_path_features,
     joint_path_features,
-    planar_map_features,
-    spatial_map_features,
 )
 from gcm_learn.recall.lessons import Sizes
+from gcm_learn.recall.map_features import (
+    coarse_map,
+    joint_map_features,
+    planar_map,
+    planar_map_features,
+)
 from gcm_learn.recall.raw_features import (
     chain_raw_features,
     hand_raw_features,
@@ -64,8 +69,10 @@ class MemoryKind:
     """Features of memories' knots and goals."""
     in_joints: bool
     """True if movements are in joints, not in hands."""
-    map_features: Callable[[Any], np.ndarray] | None
-    """Features of a situation's map, None where encoders embed no maps."""
+    map_of: Callable[[Any], CognitiveMap]
+    """Map of a situation that encoders embed where none is stored."""
+    map_features: Callable[[CognitiveMap], np.ndarray]
+    """Features of a map of a canonical situation."""
     problem: Callable[[Any, str], Any]
     """A situation on its way to a plan, and by which planner."""
     straight: Callable[[Any], Plan]
@@ -100,6 +107,7 @@ MEMORIES = ByKind(
             features=hand_features.clearance_features,
             path_features=hand_path_features,
             in_joints=False,
+            map_of=planar_map,
             map_features=planar_map_features,
             problem=Problem,
             straight=straight_plan,
@@ -120,7 +128,8 @@ MEMORIES = ByKind(
             features=joint_features.posture_features,
             path_features=joint_path_features,
             in_joints=True,
-            map_features=spatial_map_features,
+            map_of=coarse_map,
+            map_features=joint_map_features,
             problem=SpatialProblem,
             straight=earliest_straight,
             early_answer=early_answer_in_space,
@@ -140,7 +149,8 @@ MEMORIES = ByKind(
             features=joint_features.posture_features,
             path_features=joint_path_features,
             in_joints=True,
-            map_features=None,
+            map_of=coarse_map,
+            map_features=joint_map_features,
             problem=SpatialProblem,
             straight=earliest_straight,
             early_answer=early_answer_in_space,

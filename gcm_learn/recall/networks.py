@@ -78,16 +78,17 @@ class EncoderNet(nn.Module):
         self.config = config
 
     def take_over(self, encoder: Encoder) -> None:
-        """Start from the weights of an encoder of the same size."""
-        arrays = {name: torch.from_numpy(a).float() for name, a in encoder.arrays.items()}
+        """Start from the weights of an encoder of the same size, for the towers that both have."""
+        own = self.state_dict()
+        known = {name: encoder.arrays[name] for name in own if name in encoder.arrays}
+        arrays = {name: torch.from_numpy(a).float() for name, a in known.items()}
         try:
-            self.load_state_dict(self.state_dict() | arrays)
+            self.load_state_dict(own | arrays)
         except RuntimeError:
             raise EncoderError(
                 f"start: encoder {encoder.key} has {encoder.dim} numbers, {encoder.config.width} "
-                f"units, embeds by {encoder.config.memory} and knows {_known(arrays)} numbers of "
-                f"a situation; expected {self.config.dim}, {self.config.width}, "
-                f"{self.config.memory} and {_known(self.state_dict())}"
+                f"units and knows {_known(arrays)} numbers of a situation; expected "
+                f"{self.config.dim}, {self.config.width} and {_known(own)}"
             ) from None
 
     def queries(self, features: FeatureBatch) -> Tensor:

@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import lru_cache, partial
+from pathlib import Path
 from typing import Any, ClassVar, cast
 
 import numpy as np
@@ -28,9 +29,10 @@ from gcm_learn.planners import (
     get_planner,
 )
 from gcm_learn.recall.adaptation import DEFAULT, Adaptation, HandTries, Tries, adapt, query_of
+from gcm_learn.recall.embedding import KEYS, map_encoder
 from gcm_learn.recall.files import MANIFEST
 from gcm_learn.recall.hand_paths import ANGLE, EARLIEST, KNOTS, RING, TIME
-from gcm_learn.recall.index import index_class
+from gcm_learn.recall.index import LearnedIndex, index_class
 from gcm_learn.recall.kinds import MEMORIES, raw_features, same_kind
 from gcm_learn.recall.store import Memory
 from gcm_learn.recall.trials import Budget, Offer
@@ -44,7 +46,8 @@ HALF_TURN = 1.8  # largest change of the hand's direction [rad]
 RIMS = (0.15, 0.98)  # shares of the ring
 TIMES = (0.2, 1.0)  # of the end [horizons]
 WAITERS = 4  # one in so many waits
-_REFILED = {"recall-raw": "raw", "recall-pca": "pca", "recall-random": "random"}
+_FITTED = {"recall-raw": "raw", "recall-pca": "pca", "recall-random": "random"}
+_REFILED = ["recall-map", *_FITTED]
 
 
 @dataclass(frozen=True)
@@ -364,14 +367,29 @@ def with_memory(name: str, memory: Memory) -> RecallPlanner | HybridPlanner:
 
 
 def _refiled(memory: Memory, name: str) -> Memory:
-    """Return the memory under the index of a control."""
-    return memory.refiled(index_class(_REFILED[name]).fit(memory.situations(), 0))
+    """Return the memory under the index of a planner's name."""
+    if name in _FITTED:
+        return memory.refiled(index_class(_FITTED[name]).fit(memory.situations(), 0))
+    folder = map_encoder(memory.kind)
+    index = LearnedIndex.load(folder)
+    if memory.index.key == index.key:
+        return memory
+    return memory.refiled(index, stored_keys(folder / KEYS, index.key, memory.digest))
+
+
+def stored_keys(path: Path, encoder: str, memory: str) -> np.ndarray | None:
+    """Return the embeddings in a file, None unless they are of an encoder and of a memory."""
+    if not path.exists():
+        return None
+    with np.load(path) as file:
+        own = (str(file["key"]), str(file["memory"])) == (encoder, memory)
+        return file["embeddings"].astype(np.float32) if own else None
 
 
 def _recalling(name: str) -> RecallPlanner:
     return _by_arm(RecallPlanner(_memory(name), name=name), name)
 
 
-recall, recall_raw, recall_pca, recall_random = (
+recall, recall_map, recall_raw, recall_pca, recall_random = (
     partial(_recalling, name) for name in ("recall", *_REFILED)
 )

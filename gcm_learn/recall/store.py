@@ -18,6 +18,7 @@ from gcm_learn.recall.kinds import MEMORIES, kind_of_format, same_kind
 from gcm_learn.recall.search import Searcher
 from gcm_learn.recall.waypoints import Waypoints
 from gcm_learn.situation import AnySituation, canonical
+from gcm_learn.storage import content_hash
 
 SPARE = 1.5  # columns grow to this many times the entries that there are
 MANY = 20_000  # learned entries from which nearly the best are good enough by default
@@ -225,12 +226,19 @@ class Memory:
         self._old_texts, self._old_starts = np.zeros(0, np.uint8), np.zeros(1, np.int64)
         self._searcher = None
 
-    def refiled(self, index: Index) -> Memory:
-        """Return the memories filed by another index."""
+    @property
+    def digest(self) -> str:
+        """Short hash of the catches, however they are filed."""
+        return content_hash(self.knots.tobytes(), self.goals.tobytes())[:16]
+
+    def refiled(self, index: Index, keys: np.ndarray | None = None) -> Memory:
+        """Return the memories filed by another index, by its keys (n, dim) if known."""
         out = Memory(index, self.search, self.kind)
-        if len(self):
+        if len(self) and keys is None:
             trajectories = [Waypoints(k, g) for k, g in zip(self.knots, self.goals, strict=True)]
-            out.extend(self, index.embed_memories(self.situations(), trajectories))
+            keys = index.embed_memories(self.situations(), trajectories)
+        if len(self):
+            out.extend(self, keys)
         return out
 
     def save(self, folder: str | os.PathLike[str]) -> None:

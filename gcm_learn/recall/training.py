@@ -3,6 +3,8 @@
 Turns follow each other: a batch is made, then the optimiser takes some steps on batches drawn from
 all so far. Later batches ask about the memories that the encoder itself puts first, on which it
 is judged; weights that have learned before ask about these only. At the end it only repeats.
+A tower of maps that starts from an encoder of paths first learns to place a memory's map where that
+one places its path.
 Random numbers depend on seed, batch and step, so a run that was stopped goes on unchanged.
 
 An encoder is kept as a model: its files, its training, and a card with its origin.
@@ -23,6 +25,7 @@ from typing import Any
 
 import numpy as np
 import torch
+from torch.nn import functional
 from torch.optim.swa_utils import AveragedModel, get_ema_multi_avg_fn
 
 from gcm_learn import seeding
@@ -37,6 +40,7 @@ from gcm_learn.storage import write_whole
 WARM = 200  # steps in which the learning rate rises
 OPEN = 0.2  # share of the time in which labels are about any memories
 FINE = 0.4  # of the learning rate, for weights that have learned before
+IMITATED, TOGETHER = 400, 256  # steps in which maps learn the places of paths, memories of each
 REPEAT = 0.15  # share at the end in which no labels are made
 SURVEYED = 30_000  # memories at most among which the best are looked for
 AVERAGE = 0.998  # of the weights over the steps
@@ -101,6 +105,8 @@ class Trainer:
         else:
             self._highest = FINE * self.config.rate
             self.net.take_over(self.start)
+            if self.config.memory == "map" and not (self.folder / CHECKPOINT).exists():
+                self._imitate(self.start)
         self.mean = AveragedModel(self.net, multi_avg_fn=get_ema_multi_avg_fn(self.average))
         self._optimiser = torch.optim.AdamW(
             self.net.parameters(), self.config.rate, weight_decay=self.config.decay
@@ -222,6 +228,25 @@ class Trainer:
             self.net.trace.fit_scale(self.data.path_features)
         if self.config.uses_maps and self.data.map_features is not None:
             self.net.map.fit_scale(self.data.map_features)
+
+    def _imitate(self, start: Encoder) -> None:
+        """Let the tower of maps learn the places that an encoder gives the memories' paths."""
+        if not start.config.uses_traces or self._maps is None:
+            return
+        self.net.map.fit_scale(self.data.map_features)
+        wanted = torch.from_numpy(start.embed_paths(self.data.path_features))
+        rate, rng = self.config.rate, seeding.rng(self.config.seed, 2)
+        optimiser = torch.optim.AdamW(
+            self.net.map.parameters(), rate, weight_decay=self.config.decay
+        )
+        schedule = torch.optim.lr_scheduler.CosineAnnealingLR(optimiser, IMITATED)
+        for _ in range(IMITATED):
+            rows = torch.from_numpy(rng.integers(len(wanted), size=TOGETHER))
+            loss = functional.mse_loss(self.net.map(self._maps[rows]), wanted[rows])
+            optimiser.zero_grad(set_to_none=True)
+            loss.backward()
+            optimiser.step()
+            schedule.step()
 
     def save(self) -> None:
         """Write a checkpoint."""

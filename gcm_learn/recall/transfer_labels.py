@@ -19,7 +19,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from gcm_learn import seeding
-from gcm_learn.dataset import Dataset, quantities_of, uncollected
+from gcm_learn.dataset import Dataset, Record, quantities_of, uncollected
 from gcm_learn.errors import RecallError
 from gcm_learn.processes import Crew, Here
 from gcm_learn.recall.adaptation import DEFAULT
@@ -39,7 +39,7 @@ PLACES = (1, 5, 20)  # up to which a valid memory is looked for then
 _BATCH, _SAMPLE, _ORDER = 7, 8, 9  # purposes of random numbers
 
 Picture = Callable[[Any], np.ndarray]
-"""Features of the map of a situation."""
+"""Features of the map of a record."""
 Best = Callable[[FeatureBatch, int], np.ndarray]
 """From features of n situations and a number k, the memories (n, k) that fit best by what is known
 so far, the best first."""
@@ -106,7 +106,7 @@ class TransferLabels:
     most : int, optional
         Records that are read at most; by default all.
     maps : bool
-        Whether features of maps are wanted, which takes a march for each memory.
+        Whether features of maps are wanted: of the records' own, else of new ones.
     synthetic : bool
         Whether memories are synthetic movements in place of catches; see `recall.synthetic`.
     crew : Crew
@@ -142,7 +142,7 @@ class TransferLabels:
         parts = [order[k : k + READ] for k in range(0, len(order), READ)]
         source = source_of(train, synthetic=synthetic, seed=seed)
         with uncollected():
-            picture = self.kind.map_features if maps else None
+            picture = picture_of if maps else None
             read = self.crew.map(partial(_lessons, picture, source), map(train.part, parts))
             for part, lessons in zip(parts, read, strict=True):
                 progress(len(part))
@@ -280,12 +280,18 @@ class _Try(NamedTuple):
     rows: np.ndarray
 
 
+def picture_of(record: Record) -> np.ndarray:
+    """Return features of the map that a record holds, or else of one that is made now."""
+    kind, made = MEMORIES.of(record.situation), record.map
+    return kind.map_features(kind.map_of(record.situation) if made is None else made)
+
+
 def _lessons(picture: Picture | None, source: Source, records: Dataset) -> list[_Lesson]:
     """The movements of some records."""
     out = []
     for record in records:
         if (waypoints := source(record)) is not None:
-            drawn = None if picture is None else picture(record.situation)
+            drawn = None if picture is None else picture(record)
             out.append(_Lesson(record.situation, waypoints, record.stratum == "L", drawn))
     return out
 

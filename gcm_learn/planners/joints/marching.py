@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -141,7 +141,7 @@ def followed(
     assert found.interception is not None
     nodes = np.array(chain_to(found, found.met))
     joints, times = (
-        postures_of(found, nodes),
+        found.postures(nodes),
         found.arrival.ravel()[nodes].filled(0.0).astype(float),
     )
     body = [b.name for b in problem.situation.bodies].index(found.interception.body)
@@ -173,13 +173,6 @@ def meetings(problem: SpatialProblem, found: CognitiveMap, most: int) -> Iterato
         place, time = found.chart.hand_at(node), float(arrival[node])
         for target in problem.situation.targets:
             yield replace(found, interception=Interception(cell, place, time, target.name))
-
-
-def postures_of(found: CognitiveMap, nodes: np.ndarray) -> np.ndarray:
-    """Return the postures (m, dof) of some nodes (m,) of a map."""
-    chart: Any = found.chart
-    joints: np.ndarray = chart.joints_at(nodes) if found.joints is None else found.joints[nodes]
-    return joints
 
 
 @njit(_nrt=False)
