@@ -107,12 +107,17 @@ class Trainer:
             self.net.take_over(self.start)
             if self.config.memory == "map" and not (self.folder / CHECKPOINT).exists():
                 self._imitate(self.start)
-        self.mean = AveragedModel(self.net, multi_avg_fn=get_ema_multi_avg_fn(self.average))
+        self.mean = AveragedModel(self.net, multi_avg_fn=self._averaged)
         self._optimiser = torch.optim.AdamW(
             self.net.parameters(), self.config.rate, weight_decay=self.config.decay
         )
         self._board = _tensorboard(self.folder)
         self._take_up()
+
+    def _averaged(self, mean: Any, now: Any, count: Any) -> None:
+        """Average weights over the last steps, over few of them while there are few."""
+        keep = min(self.average, (1.0 + float(count)) / (10.0 + float(count)))
+        get_ema_multi_avg_fn(keep)(mean, now, count)
 
     @property
     def encoder(self) -> Encoder:
