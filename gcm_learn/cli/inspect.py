@@ -183,12 +183,13 @@ def per_second(rate: float) -> str:
 
 
 def _maps(manifest: Mapping[str, Any]) -> str:
-    """Return the maps of records and the lattices of planners; only planar arms have them."""
+    """Return the maps of records and the lattices of planners."""
     from gcm_learn.dataset import kind_of_version
 
     spec, kind = manifest["spec"], kind_of_version(manifest["schema"])
     if kind.name != "planar":
-        return f"{kind.plural}, no maps"
+        size = f"maps by {spec['map']}, {spec['n']} cells along a side"
+        return f"{kind.plural}, {'no maps' if spec['map'] == 'none' else size}"
     kept = "no maps, lattices" if spec["map"] == "none" else f"map {spec['map']}"
     return f"{kept} {spec['n']} x {spec['n']}, rungs {spec['rungs']}"
 

@@ -236,9 +236,10 @@ class Trainer:
 
     def _imitate(self, start: Encoder) -> None:
         """Let the tower of maps learn the places that an encoder gives the memories' paths."""
-        if not start.config.uses_traces or self._maps is None:
+        maps = self.data.map_features
+        if not start.config.uses_traces or self._maps is None or maps is None:
             return
-        self.net.map.fit_scale(self.data.map_features)
+        self.net.map.fit_scale(maps)
         wanted = torch.from_numpy(start.embed_paths(self.data.path_features))
         rate, rng = self.config.rate, seeding.rng(self.config.seed, 2)
         optimiser = torch.optim.AdamW(

@@ -19,8 +19,10 @@ from gcm_learn.dataset.shards import KEY, shard_name
 from gcm_learn.dataset.verifying import _broken_plans
 from gcm_learn.errors import DatasetError, UnknownNameError
 from gcm_learn.families import draw, family_names
+from gcm_learn.maps import chain_to
 from gcm_learn.motion import opening, verify
 from gcm_learn.planners import SpatialProblem, any_straight, without_waits
+from gcm_learn.recall.map_features import joint_map_features
 from gcm_learn.scene import pack
 from gcm_learn.situation import SpatialFrame, canonical
 from gcm_learn.wave import MarchingParams
@@ -59,7 +61,7 @@ def test_records_come_back_as_they_were_made(made):
         for name in ("situation", "frame", "stratum", "family", "split", "quantities"):
             assert getattr(record, name) == getattr(fresh, name)
         np.testing.assert_array_equal(record.parameters, fresh.parameters)
-        assert record.stratum in "LWQU" and (record.map is None) == (form > 1)
+        assert record.stratum in "LWQU" and (record.map is None) == (form == 2)
         assert (record.split == "test-others") == (record.family == "other-arm-chain")
         for name, plan in fresh.plans.items():
             stored = record.plans[name]
@@ -97,7 +99,9 @@ def test_all_catches_of_several_are_checked(chains):
 
 
 def test_the_report_says_which_arms(chains):
-    assert "  seed 7, chains, no maps" in list(report(dataset.survey(chains.folder.url)))
+    assert "  seed 7, chains, maps by marching, 16 cells along a side" in list(
+        report(dataset.survey(chains.folder.url))
+    )
 
 
 def test_strata_say_what_the_plans_show(space):
@@ -138,10 +142,29 @@ def test_the_same_bytes_on_any_number_of_workers(space, tmp_path):
         assert path.read_bytes() == space.folder.read(f"shards/{path.name}")
 
 
-def test_there_are_no_maps_to_feed(space):
-    for feed in (space.cache, space.stream):
-        with pytest.raises(DatasetError, match="its records hold no maps"):
-            feed()
+def test_there_are_no_maps_to_feed(space, chains):
+    for records, words in ((space, "its records hold no maps"), (chains, "of maps of the plane")):
+        for feed in (records.cache, records.stream):
+            with pytest.raises(DatasetError, match=words):
+                feed()
+
+
+def test_maps_of_chains_come_back_with_the_way_to_their_contact(chains):
+    met = 0
+    for record in chains:
+        params = MarchingParams(n=chains.spec.n, margin=0.0)
+        fresh, held = build_map(record.situation, params), record.map
+        assert np.ma.abs(held.arrival - fresh.arrival).max() <= 0.5001 * record.row["quantum"]
+        for part in ("via", "effective_obstacles", "effective_target"):
+            np.testing.assert_array_equal(getattr(held, part), getattr(fresh, part))
+        assert held.interception == fresh.interception and held.hand == fresh.hand
+        assert record.counts.shape == held.chart.shape == (16, 16, 16)
+        np.testing.assert_allclose(*map(joint_map_features, (held, fresh)), atol=1e-3)
+        if fresh.interception is not None:
+            nodes = np.array(chain_to(held, held.met))
+            np.testing.assert_allclose(held.postures(nodes), fresh.postures(nodes), atol=1e-6)
+            met += 1
+    assert met >= 3
 
 
 @pytest.mark.parametrize("name", family_names("spatial"))

@@ -90,7 +90,7 @@ def test_a_missing_file_and_a_strange_one(tmp_path):
         assert words in refusal(error, call, given)
 
 
-ORACLE, WHOLE = "the oracle does not take chains", "map: must be 'none' for "
+ORACLE, WHOLE = "the oracle does not take chains", "map: must be 'marching' or 'none' for "
 MIXED = (FamilyShare("gate"), FamilyShare("window-space"))
 
 
@@ -98,6 +98,7 @@ MIXED = (FamilyShare("gate"), FamilyShare("window-space"))
     ("spec", "change", "words"),
     [
         (CHAINS, {"map": "wave"}, f"{WHOLE}chains"),
+        (SPACE, {"map": "marching"}, "n: must be at most 40 for maps of spatial arms (got 80)"),
         (CHAINS, {"planners": ("layered",)}, "planners[0]: 'layered' does not take chains"),
         (CHAINS, {"effort": 0.5}, "effort: is for spatial arms"),
         (CHAINS, {"audit": 0.1}, f"audit: {ORACLE}"),

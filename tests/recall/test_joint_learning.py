@@ -26,9 +26,10 @@ from gcm_learn.errors import EncoderError, RecallError
 from gcm_learn.families import family_from_dict
 from gcm_learn.recall import EncoderConfig, Memory, RecallPlanner, Sizes, TransferLabels
 from gcm_learn.recall.encoder import load_encoder
-from gcm_learn.recall.features import TOUCH, joint_count, joint_path_features, spatial_map_features
+from gcm_learn.recall.features import TOUCH, joint_count, joint_path_features
 from gcm_learn.recall.joint_features import CELLS, FREE, posture_features
 from gcm_learn.recall.kinds import MEMORIES
+from gcm_learn.recall.map_features import coarse_map, joint_map_features
 from gcm_learn.recall.waypoints import GOAL
 from gcm_learn.situation import canonical
 from tests.recall.test_chain_recall import turned
@@ -203,19 +204,16 @@ def test_an_encoder_keeps_to_the_number_of_joints_that_it_learned_from(tmp_path,
     capsys.readouterr()
 
 
-def test_encoders_of_chains_embed_no_maps():
-    assert EncoderConfig(memory="map", arm=SPATIAL.name).uses_maps
-    for given, words in (
-        ({"memory": "map", "arm": CHAIN.name}, "'map' needs maps; chains have none"),
-        ({"arm": "other"}, "arm: must be one of planar, spatial, chain"),
-    ):
-        assert words in refusal(EncoderError, EncoderConfig, **given)
+def test_encoders_know_every_kind_of_arm():
+    assert EncoderConfig(memory="map", arm=CHAIN.name).uses_maps
+    words = "arm: must be one of planar, spatial, chain"
+    assert words in refusal(EncoderError, EncoderConfig, arm="other")
 
 
 @pytest.mark.parametrize("k", range(4))
 def test_coarse_maps_are_the_same_in_a_mirror(k):
     situation, other = seen_in_a_mirror(canonical(families.draw("window-space", 41, k))[0])
-    mine, yours = spatial_map_features(situation), spatial_map_features(other)
-    assert mine.shape == (3 * 12**3 + 5,) and np.isfinite(mine).all()
-    assert mine[12**3 : 2 * 12**3].any()
+    mine, yours = (joint_map_features(coarse_map(one)) for one in (situation, other))
+    assert mine.shape == (3 * 8**3 + 5 + 12 * 9,) and np.isfinite(mine).all()
+    assert mine[8**3 : 2 * 8**3].any()
     np.testing.assert_allclose(mine, yours, atol=1e-5)

@@ -15,8 +15,9 @@ import torch
 from gcm_learn import seeding
 from gcm_learn.errors import EncoderError
 from gcm_learn.recall import EncoderConfig
-from gcm_learn.recall.features import FeatureBatch, count, hand_path_features, planar_map_features
+from gcm_learn.recall.features import FeatureBatch, count, hand_path_features
 from gcm_learn.recall.hand_features import CELLS, CONTEXT
+from gcm_learn.recall.map_features import planar_map, planar_map_features
 from gcm_learn.recall.networks import binary, contrast, listwise
 from gcm_learn.recall.training import CHECKPOINT, LOG, Effort, Trainer
 from gcm_learn.recall.transfer_labels import Labels
@@ -138,7 +139,7 @@ def test_losses_ask_for_what_they_say():
     assert float(contrast(right, valid, nobody)) == 0.0
 
 
-KNOTS, MAP = 24, 965
+KNOTS, MAP = 24, 1345
 
 
 def network(memory="both", seed=0):
@@ -148,7 +149,7 @@ def network(memory="both", seed=0):
         EncoderConfig(dim=6, width=20, memory=memory), Inputs(CONTEXT, CELLS, count(KNOTS), MAP)
     )
     rng = seeding.rng(seed)
-    for tower in (net.situation, net.body, net.trace, net.map):
+    for tower in (part for part in net.children() if hasattr(part, "mean")):
         size = tower.mean.shape[0]
         tower.fit_scale(rng.normal(0.3, 0.7, (50, size)).astype(np.float32))
     net.load_state_dict({k: v.half().float() for k, v in net.state_dict().items()})
@@ -175,7 +176,7 @@ def test_arrays_embed_as_torch_does(situations):
     found = np.array([encoder.embed_situation(s) for s in situations])
     np.testing.assert_allclose(found, wanted, atol=0.05 * np.abs(wanted).max())  # bytes of cells
     traces, goals = some_ways(len(situations))
-    pictures = np.array([planar_map_features(s) for s in situations])
+    pictures = np.array([planar_map_features(planar_map(s)) for s in situations])
     with torch.no_grad():
         way = torch.from_numpy(hand_path_features(traces, goals))
         wanted = net.memories(way, torch.from_numpy(pictures)).numpy()
@@ -212,7 +213,7 @@ def test_other_files_are_refused_in_one_line(tmp_path):
 def test_maps_tell_apart_unreached_and_reached_at_once(situations):
     """A cell without arrival has the number 0, like the start, and a field that says so."""
     for situation in situations:
-        picture = planar_map_features(situation)
+        picture = planar_map_features(planar_map(situation))
         assert picture.shape == (MAP,) and np.isfinite(picture).all()
         arrival, reached = picture[:320], picture[320:640]
         assert set(np.unique(reached)) <= {0.0, 1.0}
