@@ -87,8 +87,8 @@ class Make:
 class Embed:
     """Write the embeddings of a dataset's maps, or of the catches of a dataset or a memory.
 
-    An encoder of maps embeds the map of every record that holds one. Where none are stored it
-    makes those of the catches. The file holds `embeddings` (n, dim), `index` (n,), the records'
+    An encoder of maps embeds the map of every record. If the dataset holds no maps, or is a memory,
+    the maps of its catches are made. The file holds `embeddings` (n, dim), `index` (n,), the records'
     numbers, and the names of `families` and `strata` (n,).
     """
 

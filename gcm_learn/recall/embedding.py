@@ -63,7 +63,7 @@ def embed(
     rest = iter([maps] if isinstance(maps, CognitiveMap) else maps)
     first = next(rest, None)
     if first is None:
-        raise RecallError("maps: there is none to embed")
+        raise RecallError("maps: must be at least one")
     encoder = load_encoder(map_encoder(first.chart.kind)) if encoder is None else encoder
     places = encoder.embed_maps(chain([first], rest))
     return places[0] if one else places

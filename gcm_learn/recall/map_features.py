@@ -2,7 +2,7 @@
 
 Fields come first: arrival, cells with one, effective obstacles, in the plane second arrivals. Then
 the contact, and the way that runs down the map to it. Times count as ways of the hand at full
-speed. Maps that are made here have no margin, since a key promises nothing.
+speed. Maps that are made here have no margin: a key need not keep clear.
 """
 
 from __future__ import annotations

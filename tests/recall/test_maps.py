@@ -79,7 +79,7 @@ def test_stored_maps_find_themselves_in_whatever_way_they_were_made():
 
 
 def test_other_maps_and_encoders_are_refused_in_one_line(models):
-    with pytest.raises(RecallError, match="maps: there is none to embed"):
+    with pytest.raises(RecallError, match="maps: must be at least one"):
         embed([])
     with pytest.raises(EncoderError, match="by their paths, not by maps"):
         embed(planar_map(random_planar(seeding.rng(1))), load_encoder("models/encoder"))
