@@ -4,7 +4,8 @@ python -m experiments 10_map_embedding PLANE ENCODERS     a sheet, its page and 
 
 PLANE is the folder of `gcm-learn generate data/specs/recall.toml`, ENCODERS holds the encoders of
 maps `map-1`, `map-2` and `map-3`, by their seeds. Encoders of raw parameters start from the same
-one of paths, and take as many lessons. All file the memory that ships.
+one of paths, and take as many lessons. All file the memory that ships, whose maps were among
+those of the lessons, or another one (--memory DIR).
 """
 
 from __future__ import annotations
@@ -64,10 +65,12 @@ def fresh(wanted: int) -> Iterator[Case]:
             return
 
 
-def memories(records: dataset.Dataset, encoders: Path) -> Iterator[tuple[str, int, Memory]]:
-    """Yield the memory that ships, filed in each way under each seed."""
-    shipped = shipped_memory("recall")
-    situations, teacher = shipped.situations(), load_encoder(ROOT / "models/encoder")
+def memories(
+    records: dataset.Dataset, encoders: Path, catches: Memory
+) -> Iterator[tuple[str, int, Memory]]:
+    """Yield a memory filed in each way under each seed."""
+    situations, teacher = catches.situations(), load_encoder(ROOT / "models/encoder")
+    traces = catches.refiled(LearnedIndex(teacher))
     raw, labels = RawIndex.fit(situations), TransferLabels(records, SEEDS[0])
     scale = Scale.of(np.array([raw_features(s) for s in labels.situations]))
     labels.map_features = scale(np.array([raw_features(s) for s in labels.situations]))
@@ -76,12 +79,12 @@ def memories(records: dataset.Dataset, encoders: Path) -> Iterator[tuple[str, in
         config, work = EncoderConfig(memory="map", seed=seed), HERE / "out" / f"raw-{seed}"
         learned = Trainer(config, labels, work, Effort(turns=TURNS), teacher).run()
         keys = learned._memory["map"](rows)
-        yield "raw, learned", seed, shipped.refiled(LearnedIndex(learned), keys)
+        yield "raw, learned", seed, catches.refiled(LearnedIndex(learned), keys)
         maps = LearnedIndex(load_encoder(encoders / f"map-{seed}"))
-        yield "maps", seed, shipped.refiled(maps)
-        yield "traces", seed, shipped
-        yield "raw neighbours", seed, shipped.refiled(raw)
-        yield "random", seed, shipped.refiled(RandomIndex(seed))
+        yield "maps", seed, catches.refiled(maps)
+        yield "traces", seed, traces
+        yield "raw neighbours", seed, catches.refiled(raw)
+        yield "random", seed, catches.refiled(RandomIndex(seed))
 
 
 def main() -> None:
@@ -90,17 +93,20 @@ def main() -> None:
     parser.add_argument("plane")
     parser.add_argument("encoders", type=Path)
     parser.add_argument("--count", type=int, default=COUNT, help="situations of each stratum")
+    parser.add_argument("--memory", help="folder of a memory in place of the one that ships")
     given = parser.parse_args()
+    memory = Memory.load(given.memory) if given.memory else shipped_memory("recall")
+    out = HERE / "out" / (Path(given.memory).name if given.memory else "shipped")
     entrants = [
-        Entrant(f"{name}, {checks}", RecallPlanner(memory, checks), seed)
-        for name, seed, memory in memories(dataset.open(given.plane), given.encoders)
+        Entrant(f"{name}, {checks}", RecallPlanner(filed, checks), seed)
+        for name, seed, filed in memories(dataset.open(given.plane), given.encoders, memory)
         for checks in CHECKS
     ]
-    sheet = ask(entrants, list(fresh(given.count)), keep=HERE / "out")
-    sheet.save(HERE / "out" / "sheet.parquet")
+    sheet = ask(entrants, list(fresh(given.count)), keep=out)
+    sheet.save(out / "sheet.parquet")
     told = [shares(sheet), shares(sheet, ("entrant", "stratum")), pairs(sheet, PAIRS)]
-    (HERE / "out" / "table.md").write_text("\n\n".join(map(str, told)) + "\n", "utf-8")
-    print(f"Open {page(sheet, HERE / 'out').as_uri()} in a browser.")
+    (out / "table.md").write_text("\n\n".join(map(str, told)) + "\n", "utf-8")
+    print(f"Open {page(sheet, out).as_uri()} in a browser.")
 
 
 if __name__ == "__main__":

@@ -159,7 +159,7 @@ def test_maps_of_chains_come_back_with_the_way_to_their_contact(chains):
             np.testing.assert_array_equal(getattr(held, part), getattr(fresh, part))
         assert held.interception == fresh.interception and held.hand == fresh.hand
         assert record.counts.shape == held.chart.shape == (16, 16, 16)
-        np.testing.assert_allclose(*map(joint_map_features, (held, fresh)), atol=1e-3)
+        np.testing.assert_allclose(*map(joint_map_features, (held, fresh)), atol=5e-3)
         if fresh.interception is not None:
             nodes = np.array(chain_to(held, held.met))
             np.testing.assert_allclose(held.postures(nodes), fresh.postures(nodes), atol=1e-6)
