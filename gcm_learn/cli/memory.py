@@ -88,8 +88,8 @@ class Embed:
     """Write the embeddings of a dataset's maps, or of the catches of a dataset or a memory.
 
     An encoder of maps embeds the map of every record. If the dataset holds no maps, or is a memory,
-    the maps of its catches are made. The file holds `embeddings` (n, dim), `index` (n,), the records'
-    numbers, and the names of `families` and `strata` (n,).
+    the maps of its catches are made. The file holds `embeddings` (n, dim), the records' numbers as
+    `index` (n,), and the names of `families` and `strata` (n,).
     """
 
     source: Annotated[Positional[Path], arg(metavar="DIR")]
