@@ -23,6 +23,7 @@ from gcm_learn.recall.encoder import LAYERS, Encoder, EncoderConfig
 from gcm_learn.recall.features import STEPS, FeatureBatch
 
 _NEVER = -1e4
+IMITATED, TOGETHER = 400, 256  # steps in which maps learn the places of paths, memories of each
 
 
 class TowerNet(nn.Module):
@@ -159,3 +160,23 @@ def contrast(scores: Tensor, valid: Tensor, own: Tensor) -> Tensor:
     mine = scores.gather(1, own)
     others = torch.logsumexp(scores.masked_fill(valid, _NEVER), dim=1, keepdim=True)
     return (torch.logaddexp(mine, others) - mine).mean()
+
+
+def imitate(
+    tower: TowerNet,
+    inputs: np.ndarray,
+    wanted: np.ndarray,
+    config: EncoderConfig,
+    rng: np.random.Generator,
+) -> None:
+    """Let a tower learn the embeddings (n, dim) that are wanted of inputs (n, m)."""
+    given, places = torch.from_numpy(inputs), torch.from_numpy(wanted)
+    optimiser = torch.optim.AdamW(tower.parameters(), config.rate, weight_decay=config.decay)
+    schedule = torch.optim.lr_scheduler.CosineAnnealingLR(optimiser, IMITATED)
+    for _ in range(IMITATED):
+        rows = torch.from_numpy(rng.integers(len(wanted), size=TOGETHER))
+        loss = functional.mse_loss(tower(given[rows]), places[rows])
+        optimiser.zero_grad(set_to_none=True)
+        loss.backward()
+        optimiser.step()
+        schedule.step()

@@ -25,7 +25,6 @@ from typing import Any
 
 import numpy as np
 import torch
-from torch.nn import functional
 from torch.optim.swa_utils import AveragedModel, get_ema_multi_avg_fn
 
 from gcm_learn import seeding
@@ -33,14 +32,13 @@ from gcm_learn.dataset import Dataset
 from gcm_learn.errors import EncoderError
 from gcm_learn.recall.encoder import Encoder, EncoderConfig, config_to_json, save_encoder
 from gcm_learn.recall.features import STEPS, FeatureBatch
-from gcm_learn.recall.networks import EncoderNet, Inputs, binary, contrast, listwise
+from gcm_learn.recall.networks import EncoderNet, Inputs, binary, contrast, imitate, listwise
 from gcm_learn.recall.transfer_labels import Labels, TrainingData
 from gcm_learn.storage import write_whole
 
 WARM = 200  # steps in which the learning rate rises
 OPEN = 0.2  # share of the time in which labels are about any memories
 FINE = 0.4  # of the learning rate, for weights that have learned before
-IMITATED, TOGETHER = 400, 256  # steps in which maps learn the places of paths, memories of each
 REPEAT = 0.15  # share at the end in which no labels are made
 SURVEYED = 30_000  # memories at most among which the best are looked for
 AVERAGE = 0.998  # of the weights over the steps
@@ -116,8 +114,7 @@ class Trainer:
 
     def _averaged(self, mean: Any, now: Any, count: Any) -> None:
         """Average weights over the last steps, over few of them while there are few."""
-        keep = min(self.average, (1.0 + float(count)) / (10.0 + float(count)))
-        get_ema_multi_avg_fn(keep)(mean, now, count)
+        get_ema_multi_avg_fn(min(self.average, float((1 + count) / (10 + count))))(mean, now, count)
 
     @property
     def encoder(self) -> Encoder:
@@ -236,23 +233,11 @@ class Trainer:
 
     def _imitate(self, start: Encoder) -> None:
         """Let the tower of maps learn the places that an encoder gives the memories' paths."""
-        maps = self.data.map_features
-        if not start.config.uses_traces or self._maps is None or maps is None:
-            return
-        self.net.map.fit_scale(maps)
-        wanted = torch.from_numpy(start.embed_paths(self.data.path_features))
-        rate, rng = self.config.rate, seeding.rng(self.config.seed, 2)
-        optimiser = torch.optim.AdamW(
-            self.net.map.parameters(), rate, weight_decay=self.config.decay
-        )
-        schedule = torch.optim.lr_scheduler.CosineAnnealingLR(optimiser, IMITATED)
-        for _ in range(IMITATED):
-            rows = torch.from_numpy(rng.integers(len(wanted), size=TOGETHER))
-            loss = functional.mse_loss(self.net.map(self._maps[rows]), wanted[rows])
-            optimiser.zero_grad(set_to_none=True)
-            loss.backward()
-            optimiser.step()
-            schedule.step()
+        maps, rng = self.data.map_features, seeding.rng(self.config.seed, 2)
+        if start.config.uses_traces and maps is not None:
+            self.net.map.fit_scale(maps)
+            wanted = start.embed_paths(self.data.path_features)
+            imitate(self.net.map, maps, wanted, self.config, rng)
 
     def save(self) -> None:
         """Write a checkpoint."""
