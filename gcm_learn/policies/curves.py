@@ -7,31 +7,31 @@ from typing import Any
 
 import numpy as np
 
-CHECKS = 10  # at least so many make a quarter
+CHECKS = 10  # at least so many make a quarter; a plan may ask for more
 GAIN = 0.01  # of the share of catches from one quarter to the next; less is none
 _ROWS = 12  # of a card's table
 
 
-def last_gain(shares: Sequence[float]) -> float | None:
+def last_gain(shares: Sequence[float], checks: int) -> float | None:
     """Return how far the last quarter's mean is above that of the quarter before.
 
-    None if a quarter has fewer than 10 checks.
+    None if a quarter has fewer checks than that.
     """
     size = len(shares) // 4
-    if size < CHECKS:
+    if size < checks:
         return None
     return float(np.mean(shares[-size:]) - np.mean(shares[-2 * size : -size]))
 
 
-def stopped_gaining(shares: Sequence[float]) -> bool:
+def stopped_gaining(shares: Sequence[float], checks: int = CHECKS) -> bool:
     """Return whether the last quarter's mean is less than 1 point above that before."""
-    gain = last_gain(shares)
+    gain = last_gain(shares, checks)
     return gain is not None and gain < GAIN
 
 
 def in_words(rows: Sequence[Mapping[str, Any]]) -> str:
     """Say whether a run stopped gaining or was still rising, from the rows of its log."""
-    gain = last_gain([row["caught"] for row in rows])
+    gain = last_gain([row["caught"] for row in rows], CHECKS)
     if gain is None:
         return f"too few checks ({len(rows)}) to say whether it still gains"
     told = "stopped gaining" if gain < GAIN else "was still rising"

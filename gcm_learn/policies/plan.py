@@ -27,6 +27,7 @@ from gcm_learn.errors import (
 )
 from gcm_learn.execution import ARENAS, ArenaSettings, Settings, arena_named, arena_of, settings_of
 from gcm_learn.planners import get_planner
+from gcm_learn.policies import curves
 from gcm_learn.policies.directions import choices_in
 
 if TYPE_CHECKING:
@@ -126,8 +127,9 @@ class TrainingPlan:
     """Folder of a trained policy whose network is the start, e.g. a clone."""
     evaluate_every: int = 250_000
     """Steps between evaluations, each of which leaves a checkpoint."""
-    until_settled: bool = False
-    """If true, learning ends once evaluations have stopped gaining, see `curves`."""
+    until_settled: int = 0
+    """Learning ends once evaluations have stopped gaining, of which a quarter has at least so many,
+    see `curves`; 0 goes on."""
     hyperparameters: Mapping[str, Any] = field(default_factory=dict)
     """Of the algorithm, as Stable-Baselines3 or `Cloning` name them."""
 
@@ -157,6 +159,8 @@ class TrainingPlan:
         for name in ("n_envs", "evaluate_every"):
             if getattr(self, name) < 1:
                 raise PolicyError(f"{name}: must be at least 1 (got {getattr(self, name)})")
+        if 0 < self.until_settled < curves.CHECKS:
+            raise PolicyError(f"until_settled: must be 0, or at least {curves.CHECKS} evaluations")
         for name in ("situations", "validation"):
             if not getattr(self, name):
                 raise PolicyError(f"{name}: there is none")
@@ -232,7 +236,7 @@ def plan_of(entry: Mapping[str, Any], environment: str = "CatchArm-v0") -> Train
         raise PolicyError(f"algo: is missing (one of {', '.join(ALGORITHMS)})")
     for name in ("situations", "validation"):
         given[name] = tuple(_share(item, name) for item in given.get(name, ()))
-    for name in ("n_timesteps", "n_envs", "seed", "evaluate_every"):
+    for name in ("n_timesteps", "n_envs", "seed", "evaluate_every", "until_settled"):
         if name in given:
             given[name] = _whole(given[name], name)
     arena = arena_named(environment)

@@ -156,8 +156,9 @@ class Run:
 
     @property
     def settled(self) -> bool:
-        """True once the shares of catches have stopped gaining."""
-        return curves.stopped_gaining([row["caught"] for row in self.rows])
+        """True once learning is over because the shares of catches have stopped gaining."""
+        least, shares = self.plan.until_settled, [row["caught"] for row in self.rows]
+        return least > 0 and curves.stopped_gaining(shares, least)
 
 
 def train(plan: TrainingPlan, folder: Path, tell: Told = print) -> dict[str, float]:
@@ -325,10 +326,9 @@ def _reinforce(run: Run, lot: Lot, judge: _Judge) -> None:
         for name in ("caught", "touched"):
             model.logger.record(f"eval/{name}", scores[name])
         model.logger.dump(model.num_timesteps)
-        return plan.until_settled and run.settled
+        return run.settled
 
-    over = plan.until_settled and run.settled
-    if model.num_timesteps < plan.n_timesteps and not over:
+    if model.num_timesteps < plan.n_timesteps and not run.settled:
         left = plan.n_timesteps - model.num_timesteps
         checks = rl.Checks(plan.evaluate_every, check)
         model.learn(left, checks, reset_num_timesteps=False, tb_log_name=plan.algo)

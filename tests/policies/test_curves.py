@@ -16,6 +16,7 @@ def rows_of(shares):
 def test_a_run_has_stopped_gaining_once_quarters_of_ten_checks_are_within_a_point():
     flat = [0.5] * 40
     assert curves.stopped_gaining(flat) and not curves.stopped_gaining(flat[:39])
+    assert not curves.stopped_gaining(flat, 11) and curves.stopped_gaining(flat + flat[:4], 11)
     rising = list(np.linspace(0.0, 0.8, 40))
     assert not curves.stopped_gaining(rising)
     just = [0.2] * 20 + [0.5] * 10

@@ -36,6 +36,7 @@ BAD = [
     ({"algo": "dream"}, "algo: 'dream' is not one of clone, ppo, sac, tqc"),
     ({"n_timesteps": 0}, "n_timesteps: must be at least 1"),
     ({"situations": []}, "situations: there is none"),
+    ({"until_settled": True}, "until_settled: must be 0, or at least 10 evaluations"),
     ({"situations": [{"count": 3}]}, "situations: each must have source"),
     ({"situations": [{"source": "gate", "shown_by": "guess"}]}, f"situations.shown_by: {KNOWN}"),
     ({"validation": [{"source": "gate", "caught_by": "guess"}]}, f"validation.caught_by: {KNOWN}"),
@@ -139,7 +140,7 @@ def test_a_run_ends_once_it_has_stopped_gaining(tmp_path, monkeypatch):
 
     monkeypatch.setattr(curves, "CHECKS", 1)
     monkeypatch.setattr(curves, "GAIN", 2.0)
-    short = {"until_settled": True, "bfloat16": True, "value_arch": "8", "n_timesteps": 10_000}
+    short = {"until_settled": 1, "bfloat16": True, "value_arch": "8", "n_timesteps": 10_000}
     plan = plan_of({**ENTRY, **short})
     for _ in range(2):  # again: nothing is left to learn
         train(plan, tmp_path, lambda text: None)
