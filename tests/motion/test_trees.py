@@ -111,6 +111,7 @@ def test_what_breaks_a_followers_own_limits(lie):
     assert not verdict.good and complaint in words
 
 
+@pytest.mark.slow  # compiles a search for trees
 def test_coordinates_alone_stand_in_a_trajectory():
     """A telescope whose stages follow the first is a coordinate."""
     slide = {"type": "prismatic", "axis": [1, 0, 0], "range": [0, 0.2], "max_speed": 1,

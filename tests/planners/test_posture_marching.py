@@ -13,12 +13,10 @@ from tests.judging import judge
 from tests.spatial import EXAMPLES
 
 SITUATIONS = read_situations(EXAMPLES)
+pytestmark = pytest.mark.slow  # compiles a march for spatial arms
 
 
-LATER = [pytest.param(first, marks=pytest.mark.slow) for first in range(10, 50, 10)]
-
-
-@pytest.mark.parametrize("first", [0, *LATER])
+@pytest.mark.parametrize("first", range(0, 50, 10))
 def test_catches_hold_and_are_frequent(first):
     caught = 0
     for situation in SITUATIONS[first : first + 10]:
