@@ -14,7 +14,8 @@ SHIPPED = (
     *(
         f"models/{name}"
         for name in (
-            *("clone", "encoder", "ppo", "ppo-clone", "ppo-space"),
+            *("clone", "encoder", "encoder-map", "encoder-map-panda"),
+            *("ppo", "ppo-clone", "ppo-space"),
             *("recall", "recall-panda", "recall-space", "sac"),
         )
     ),
