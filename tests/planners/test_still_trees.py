@@ -1,4 +1,4 @@
-"""Trees in joints alone: worlds at rest, and ways that are timed among what moves."""
+"""Trees that grow in steps: in joints alone for worlds at rest, and in time."""
 
 from __future__ import annotations
 
@@ -13,7 +13,8 @@ from gcm_learn.planners import TreeSearch
 from gcm_learn.planners.completion import SpatialProblem
 from gcm_learn.planners.joints import tree_search
 from gcm_learn.planners.joints.moves import time_of
-from gcm_learn.planners.joints.still_trees import fitted, parted, search_still, straighten, timed
+from gcm_learn.planners.joints.still_trees import search_still, straighten, timed
+from gcm_learn.planners.joints.timely_trees import search_timely
 from gcm_learn.planners.joints.trees import new_trees
 from gcm_learn.planners.joints.ways import new_way
 from gcm_learn.scene import pose
@@ -41,14 +42,13 @@ def at_rest(index):
     return replace(situation, bodies=tuple(bodies))
 
 
-def met(situation, seed):
-    """Return study, trees and the first way that trees find among what rests."""
+def met(situation, seed, search):
+    """Return the problem, its trees, and the first way that they find."""
     problem = SpatialProblem(situation, "search")
     study, way = problem.study, new_way(problem.study.goal.size)
-    still, moving = parted(study)
     trees = new_trees(study, 4000, seed, False)
-    assert search_still(still, study, trees, 4000, situation.horizon, way)
-    return still, moving, trees, way
+    assert search(study, trees, 4000, situation.horizon, way)
+    return problem, trees, way
 
 
 def test_no_tree_in_time_is_grown_in_a_world_at_rest(monkeypatch):
@@ -63,29 +63,26 @@ def test_no_tree_in_time_is_grown_in_a_world_at_rest(monkeypatch):
 
 @pytest.mark.parametrize("index", REACHED)
 def test_a_way_is_straightened_without_becoming_longer(index):
-    still, _, _, way = met(at_rest(index), 1)
+    problem, _, way = met(at_rest(index), 1, search_still)
+    still = problem.study
     before, ends = timed(still, way), way.joints[[0, way.size[0] - 1]].copy()
     straighten(still, way)
     assert timed(still, way) <= before + 0.1 * before
     assert np.array_equal(way.joints[[0, way.size[0] - 1]], ends)
 
 
-def test_a_way_that_fits_ends_when_it_should():
-    fits = 0
-    for seed in range(1, 12):
-        still, moving, trees, way = met(drawn(3), seed)
-        end = way.left[way.size[0] - 1]
-        if not fitted(moving, way, trees, end):
-            continue
-        fits, n = fits + 1, way.size[0]
-        assert way.left[n - 1] == end and way.reached[0] == 0.0
-        assert np.all(way.left[:n] >= way.reached[:n])
+def test_steps_in_time_make_a_way_that_keeps_its_promise():
+    situation = drawn(3)
+    for seed in range(1, 5):
+        problem, trees, way = met(situation, seed, search_timely)
+        n = way.size[0]
+        assert way.reached[0] == 0.0 and way.left[n - 1] <= situation.horizon
         for k in range(n - 1):
-            least = time_of(still, way.joints[k], way.joints[k + 1])[0]
+            least = time_of(problem.study, way.joints[k], way.joints[k + 1])[0]
+            assert way.left[k] >= way.reached[k]
             assert way.reached[k + 1] - way.left[k] >= least * (1.0 - 1e-9)
-        if fits > 1:
-            break
-    assert fits > 0
+        plan = tree_search._finished(problem, trees.moves, way, situation.horizon)
+        assert plan is not None and judge(situation, plan) == []
 
 
 def test_the_limit_of_work_ends_a_search_that_has_no_goal():

@@ -11,30 +11,20 @@ import numpy as np
 from gcm_learn.collision.postures import free_at, move_is_free
 from gcm_learn.compiled import njit
 from gcm_learn.planners.joints.meeting_trees import trace
-from gcm_learn.planners.joints.moves import Study, rest_is_free, time_of, timed_move_is_free
+from gcm_learn.planners.joints.moves import time_of
 from gcm_learn.planners.joints.pull import box
 from gcm_learn.planners.joints.ramps import GIVEN
 from gcm_learn.planners.joints.tree_goals import draw_goal
 from gcm_learn.planners.joints.tree_moves import FROM_CATCH, FROM_START
 from gcm_learn.planners.joints.trees import add_node, uniform
-from gcm_learn.scene.bodies import TOP_SPEED
 
 RANGE = 1.0 / 6.0  # longest step of a tree, in shares of the ways that joints have
 GOALS = 0.1  # share of rounds in which a goal is drawn, while there is one
 BALANCE = 0.9  # share of the other rounds in which the smaller tree grows
 ROUND, GOAL = 6, 20  # prices of a round and of drawing a goal, in distances along moves
 SCANNED = 512  # nodes that are looked at for the price of one
-FITS = 24  # ways to spend spare time that are tried
 PASSES = 6  # of drawing a way straight
 SMOOTH = 0.1  # weight of the ways of all joints beside the time of a move
-
-
-def parted(study: Study) -> tuple[Study, Study]:
-    """Return a study with the obstacles that rest, and one with those that move."""
-    obstacles = study.desk.obstacles
-    moves = study.scene.bodies.rows[obstacles, TOP_SPEED] > 0.0
-    desks = [study.desk._replace(obstacles=obstacles[which]) for which in (~moves, moves)]
-    return study._replace(desk=desks[0]), study._replace(desk=desks[1])
 
 
 @njit(_nrt=False)
@@ -94,10 +84,9 @@ def _grown(study, trees, tree):
 
 
 @njit
-def search_still(study, whole, trees, rounds, horizon, way):
-    """Grow both trees among obstacles that rest until they meet; see `search_trees`.
+def search_still(study, trees, rounds, horizon, way):
+    """Grow both trees until they meet; see `search_trees`.
 
-    Postures that catch are free of all obstacles of the `whole` study at their time.
     The way may end later than the catch, since it has not been shortened.
     """
     while rounds > 0 and study.desk.budget[0] >= 0:
@@ -106,7 +95,7 @@ def search_still(study, whole, trees, rounds, horizon, way):
         tree, node = FROM_CATCH, -1
         if none or uniform(trees) < GOALS:
             study.desk.budget[0] -= GOAL
-            node = draw_goal(whole, trees, horizon)
+            node = draw_goal(study, trees, horizon)
             if node < 0 and none:
                 rounds -= 1
                 continue
@@ -168,31 +157,3 @@ def straighten(study, way):
                     for j in range(q.size):
                         there[j] = q[j]
     timed(study, way)
-
-
-@njit(_nrt=False)
-def fitted(study, way, trees, end):
-    """Spend the spare time of a way until `end` [s] so that it is free of what moves, if one can.
-
-    All moves are slower by the same share, and the rest is a wait at one posture.  Tried are: all
-    slower, a wait at first, a wait at last, and drawn shares and postures.
-    """
-    last, total, where = way.size[0] - 1, timed(study, way), 0
-    for turn in range(FITS if total <= end else 0):
-        slower = uniform(trees) if turn > 2 else 1.0 if turn == 0 else 0.0
-        where = int(uniform(trees) * (last + 1)) if turn > 2 else last * (turn // 2)
-        wait, pace = (1.0 - slower) * (end - total), slower * (end - total) / max(total, 1e-300)
-        t, free = 0.0, True
-        for k in range(last + 1):
-            q, p, since = way.joints[k], way.joints[min(k + 1, last)], t
-            t = end if k == last else t + (wait if k == where else 0.0)
-            way.reached[k], way.left[k] = since, t
-            free = free and rest_is_free(study, q, since, t)
-            if not free or k == last:
-                break
-            took, pieces = time_of(study, q, p)
-            t = end if k + 1 == last and where < last else t + (1.0 + pace) * took
-            free = timed_move_is_free(study, q, way.left[k], p, t, pieces)
-        if free:
-            return True
-    return False

@@ -12,11 +12,11 @@ import numpy as np
 from gcm_learn.collision import WORK
 from gcm_learn.motion import Failure, Movement
 from gcm_learn.planners.completion import Attempt, SpatialProblem, checked
-from gcm_learn.planners.joints import still_trees
 from gcm_learn.planners.joints.meeting_trees import search_trees
-from gcm_learn.planners.joints.moves import Study
 from gcm_learn.planners.joints.ramped_ways import hasten_ramped, ramped_samples, shorten_ramped
+from gcm_learn.planners.joints.still_trees import GOALS, search_still, straighten, timed
 from gcm_learn.planners.joints.straight import at_once, earliest_straight
+from gcm_learn.planners.joints.timely_trees import search_timely
 from gcm_learn.planners.joints.trees import Trees, new_trees, roomier
 from gcm_learn.planners.joints.ways import Way, hasten, new_way, samples_of, shorten
 from gcm_learn.planners.plan import Deadline, Plan, deadline_of, end_of, in_joints
@@ -35,8 +35,8 @@ LINKS = 16
 """Links of an arm that make a distance along a move twice as dear."""
 FINISH = 300
 """Price of finishing a way, in distances along moves."""
-TURNS = 4
-"""One of so many turns is for trees in time; the others are for obstacles that rest."""
+TURNS = 16
+"""One of so many turns draws a goal each round; the others are for trees in steps."""
 ROOM = 1000
 """Nodes that new trees can hold."""
 Begin = Callable[[SpatialProblem, Trees, float, Way], bool]
@@ -118,27 +118,31 @@ class TreeSearch:
     def _before(self, problem: SpatialProblem, end: float, seed: int, rounds: int) -> Plan:
         """A catch until `end` [s], by trees that are grown from new."""
         study, way = problem.study, new_way(problem.study.goal.size)
-        still, moving = still_trees.parted(study)
-        calm = not study.scene.bodies.rows[:, TOP_SPEED].any()
-        both = not problem.accelerates and still.desk.obstacles.size > 0
-        trees = [new_trees(study, ROOM, seed, problem.accelerates) for _ in range(1 + both)]
+        obstacles = study.desk.obstacles.size > 0 and not problem.accelerates
+        calm = obstacles and not study.scene.bodies.rows[:, TOP_SPEED].any()
+        trees = new_trees(study, ROOM, seed, problem.accelerates)
         found, turn, left = None, 0, float(rounds)
-        if self.begin is not None and self.begin(problem, trees[0], end, way):
-            found = _finished(problem, trees[0].moves, way, end)
+        if self.begin is not None and self.begin(problem, trees, end, way):
+            found = _finished(problem, trees.moves, way, end)
+        if calm:
+            trees = new_trees(study, ROOM, seed, False)
         while left > 0 and found is None and not problem.over and problem.budget[0] >= 0:
-            k = int(both and (calm or turn % TURNS > 0))
+            timely = obstacles and not calm and turn % TURNS > 0
             size, turn = min(SLICE, math.ceil(left)), turn + 1
-            left -= (still_trees.GOALS if calm else 0.0) * size if k else size
-            if int(trees[k].size.max()) + 3 * size > trees[k].time.shape[1]:
-                trees[k] = roomier(trees[k])
-            if k and still_trees.search_still(still, study, trees[k], size, end, way):
-                found = _stilled(problem, still, None if calm else moving, trees[k], way, end)
-                problem.budget[0] -= FINISH
-                problem.nodes += int(trees[k].size.sum()) - 1
-                trees[k].size[:] = 1, 0  # another way may be quicker
-            elif not k and search_trees(study, trees[k], size, end, way):
-                found = _finished(problem, trees[k].moves, way, end)
-        problem.nodes += sum(int(one.size.sum()) - 1 for one in trees)  # the start was there
+            left -= GOALS * size if calm else 0 if timely else size
+            if int(trees.size.max()) + 3 * size > trees.time.shape[1]:
+                trees = roomier(trees)
+            grow = search_still if calm else search_timely if timely else search_trees
+            if not grow(study, trees, size, end, way):
+                continue
+            if not calm:
+                found = _finished(problem, trees.moves, way, end)
+                continue
+            found = _stilled(problem, trees, way, end)
+            problem.budget[0] -= FINISH
+            problem.nodes += int(trees.size.sum()) - 1
+            trees.size[:] = 1, 0  # another way may be quicker
+        problem.nodes += int(trees.size.sum()) - 1  # the start was there
         if found is not None:
             return found
         return problem.answer(Failure.OUT_OF_TIME if problem.over else Failure.NO_TREE)
@@ -150,18 +154,13 @@ def search_in_space(effort: float = 1.0) -> TreeSearch:
     return TreeSearch(rounds=rounds, patience=patience)
 
 
-def _stilled(
-    problem: SpatialProblem, still: Study, moving: Study | None, trees: Trees, way: Way, end: float
-) -> Plan | None:
-    """The way among obstacles that rest as a plan, timed among those that move, if any can."""
-    short, when = new_way(problem.study.goal.size), way.left[way.size[0] - 1]
-    still_trees.timed(still, way)
-    shorten(still, way, short)
-    late = short.reached[short.size[0] - 1] > (end if moving is None else when)
-    if late:
-        still_trees.straighten(still, short)
-    if moving is not None and not still_trees.fitted(moving, short, trees, when):
-        return None
+def _stilled(problem: SpatialProblem, trees: Trees, way: Way, end: float) -> Plan | None:
+    """The way of a world at rest as a plan, drawn straight if it ends later than `end` [s]."""
+    study, short = problem.study, new_way(problem.study.goal.size)
+    timed(study, way)
+    shorten(study, way, short)
+    if short.reached[short.size[0] - 1] > end:
+        straighten(study, short)
     return _finished(problem, trees.moves, short, end)
 
 
