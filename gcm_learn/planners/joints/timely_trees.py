@@ -14,13 +14,14 @@ from gcm_learn.compiled import njit
 from gcm_learn.planners.joints.meeting_trees import join, trace
 from gcm_learn.planners.joints.moves import time_of, timed_move_is_free, turning_time
 from gcm_learn.planners.joints.ramps import GIVEN
-from gcm_learn.planners.joints.still_trees import BALANCE, GOAL, GOALS, RANGE, ROUND, SCANNED
+from gcm_learn.planners.joints.still_trees import BALANCE, GOAL, GOALS, RANGE, ROUND
 from gcm_learn.planners.joints.tree_goals import draw_goal
 from gcm_learn.planners.joints.tree_moves import FROM_CATCH, FROM_START
 from gcm_learn.planners.joints.trees import add_node, uniform
 
 HASTY = 0.4  # share of steps that are as fast as they may be
 ROOM = 64  # nodes that a round adds at most
+SCANNED = 192  # nodes that are looked at for the price of one
 
 
 @njit(_nrt=False)
