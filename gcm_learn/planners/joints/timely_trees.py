@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from gcm_learn.arms.limbs import link_count
 from gcm_learn.collision.postures import free_at
 from gcm_learn.compiled import njit
 from gcm_learn.planners.joints.meeting_trees import join, trace
@@ -21,7 +22,8 @@ from gcm_learn.planners.joints.trees import add_node, uniform
 
 HASTY = 0.4  # share of steps that are as fast as they may be
 ROOM = 64  # nodes that a round adds at most
-SCANNED = 192  # nodes that are looked at for the price of one
+SCANNED = 64  # nodes that are looked at for the price of one distance to a limb of few links
+MORE = 4  # of them for each link, since a distance is dearer then
 
 
 @njit(_nrt=False)
@@ -45,16 +47,17 @@ def _draw_in_time(study, trees):
 def _nearest(study, trees, tree, q, t):
     """Node of a tree next to joints q (n,) that is in time for t [s], and how many steps away."""
     limb, rate, best, found = study.scene.limb, study.scene.limits.joint_speed, 1e300, -1
+    scale = trees.drawn
+    for j in range(q.size):
+        scale[j] = 1.0 / max(limb.high[j] - limb.low[j], 1e-12)
     for k in range(trees.size[tree]):
         spare = t - trees.time[tree, k] if tree == FROM_START else trees.time[tree, k] - t
         if spare <= 0.0:
             continue
         there, away = trees.joints[tree, k], 0.0
         for j in range(q.size):
-            share = (q[j] - there[j]) / max(limb.high[j] - limb.low[j], 1e-12)
+            share = (q[j] - there[j]) * scale[j]
             away += share * share
-            if away >= best:
-                break
         if away < best and turning_time(rate, there, q) <= spare:
             best, found = away, k
     return found, max(int(np.ceil(np.sqrt(best) / RANGE)), 1)
@@ -103,10 +106,11 @@ def _met(study, trees, tree, node):
 @njit
 def search_timely(study, trees, rounds, horizon, way):
     """Grow both trees by steps until they meet; see `search_trees`."""
+    looks = SCANNED + MORE * link_count(study.scene.limb)
     while rounds > 0 and study.desk.budget[0] >= 0:
         rounds -= 1
         none = trees.size[FROM_CATCH] == 0
-        study.desk.budget[0] -= ROUND + (trees.size[0] + trees.size[1]) // SCANNED
+        study.desk.budget[0] -= ROUND + (trees.size[0] + trees.size[1]) // looks
         tree, node = FROM_CATCH, -1
         if none or uniform(trees) < GOALS:
             study.desk.budget[0] -= GOAL
