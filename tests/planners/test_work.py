@@ -33,7 +33,7 @@ def needle_in_the_way(family, seed):
             needle = Body("obstacle", "needle", Polygon(corners), motion)
         else:
             motion = SolidQuadratic(centre, STILL, STILL, (1.0, 0.0, 0.0, 0.0), (0.0, 0.0, SPIN))
-            needle = Body("obstacle", "needle", Box((0.2, 0.003, 0.003)), motion)
+            needle = Body("obstacle", "needle", Box((0.4, 0.003, 0.003)), motion)
         situation = replace(alone, bodies=(*alone.bodies, needle))
         if solve(situation, "straight").status == "unreachable":
             return situation
