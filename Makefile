@@ -17,7 +17,7 @@ unexport PYTHONDONTWRITEBYTECODE
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo test slow bench lint format docs wheel-test clean distclean
+.PHONY: help demo test slow bench lint format docs wheel wheel-test clean distclean
 
 help:  ## show this list
 	@grep -hE '^[a-z-]+:.*##' $(firstword $(MAKEFILE_LIST)) | awk -F ':.*## ' '{printf "  make %-10s %s\n", $$1, $$2}'
@@ -53,12 +53,17 @@ bench: $(VENV)/.dev peers  ## measure the kernels on one core, next to their pee
 docs: $(VENV)/.dev  ## build the documentation site in build/site; notebooks are executed
 	$(BIN)/python -m sphinx -b html -W --keep-going docs build/site
 
-wheel-test:  ## build wheel and sdist, install the wheel into an empty environment, and solve there
-	rm -rf build/wheel-test && mkdir -p build/wheel-test
-	$(PYTHON) -m venv build/wheel-test/maker && build/wheel-test/maker/bin/pip install -q build
-	build/wheel-test/maker/bin/python -m build --outdir build/wheel-test/dist .
-	$(PYTHON) -m venv build/wheel-test/venv && build/wheel-test/venv/bin/pip install -q -c constraints.txt build/wheel-test/dist/*.whl
+wheel:  ## build the wheel, and one with compiled kernels for it, into dist/
+	rm -rf build/wheel dist && $(PYTHON) -m venv build/wheel && build/wheel/bin/pip install -q build
+	build/wheel/bin/python -m build --outdir dist .
+	build/wheel/bin/pip install -q -c constraints.txt dist/gcm_learn-*.whl gymnasium
+	build/wheel/bin/gcm-learn warm-up --wheel dist
+
+wheel-test: wheel  ## install both wheels into an empty environment, and time first answers there
+	rm -rf build/wheel-test && mkdir -p build/wheel-test && $(PYTHON) -m venv build/wheel-test/venv
+	build/wheel-test/venv/bin/pip install -q -c constraints.txt dist/*.whl gymnasium
 	cd build/wheel-test && venv/bin/gcm-learn draw gate --count 3 --out gates.jsonl && venv/bin/gcm-learn solve gates.jsonl --planner hybrid
+	cd build/wheel-test && venv/bin/python ../../tests/installed.py
 
 clean:  ## remove what was built, except .venv
 	rm -rf demo build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache

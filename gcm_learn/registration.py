@@ -1,8 +1,8 @@
 """Registration of the environments, now or as soon as Gymnasium is imported.
 
 Importing `gcm_learn` must not load Gymnasium, and ``gymnasium.make("gcm_learn:CatchArm-v0")`` must
-work whichever of the two was imported first. So a finder waits until Gymnasium is imported, and
-then removes itself.
+work whichever of the two was imported first. So a finder waits until Gymnasium is imported, and is
+removed then.
 """
 
 from __future__ import annotations
@@ -55,16 +55,21 @@ def register() -> None:
 
 
 class _Waiter(MetaPathFinder):
-    """Sees Gymnasium coming."""
+    """Finds Gymnasium with a loader that registers, for whoever asks where it is or imports it."""
+
+    asking = False
 
     def find_spec(
         self, name: str, path: Sequence[str] | None, target: ModuleType | None = None
     ) -> ModuleSpec | None:
-        """The library's own specification, with a loader that registers afterwards."""
-        if name != LIBRARY:
+        """Return the library's own specification, with a loader that registers afterwards."""
+        if name != LIBRARY or self.asking:
             return None
-        sys.meta_path.remove(self)
-        spec = importlib.util.find_spec(name)
+        self.asking = True
+        try:
+            spec = importlib.util.find_spec(name)
+        finally:
+            self.asking = False
         if spec is not None and spec.loader is not None:
             spec.loader = _ThenRegister(spec.loader)
         return spec
@@ -83,6 +88,7 @@ class _ThenRegister(Loader):
     def exec_module(self, module: ModuleType) -> None:
         """As the other loader does; then register."""
         self.loader.exec_module(module)
+        sys.meta_path[:] = [f for f in sys.meta_path if not isinstance(f, _Waiter)]
         register()
 
     def __getattr__(self, name: str) -> object:

@@ -2,26 +2,37 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import dataclass
+from importlib.util import find_spec
+from pathlib import Path
+from pkgutil import resolve_name
 from typing import Annotated, Any
 
 from tyro.conf import arg
 
 from gcm_learn.cli.failures import CommandFailure
-from gcm_learn.cli.options import AllCores
+from gcm_learn.cli.options import AllCores, given
 from gcm_learn.cli.progress import Progress
+from gcm_learn.registration import ENTRIES
 
-EXAMPLES = {
-    "spatial": ("crossing-swarm-space", 3, 5),
-    "planar": ("crossing-swarm", 3, 5),
-    "chain": ("throw-chain", 3, 1),
-}
-"""Family, seed and number of situations with an obstacle beside the straight line to the target."""
+EXAMPLES = (
+    ("crossing-swarm-space", 3, 5),
+    ("crossing-swarm", 3, 5),
+    ("throw-chain", 3, 1),
+    ("panda-crowded-accelerated", 3, 0),
+    ("space-sequences", 3, 0),
+    ("panda-sequences", 3, 0),
+    ("falling-space", 5, 0),
+    ("panda-crowded", 5, 0),
+)
+"""Families or presets, seeds and numbers of situations that together run what planners run."""
+ARENAS = ("CatchArm-v0", "CatchArm3D-v0", "CatchChain-v0")
 
 
 @dataclass(frozen=True)
 class WarmUp:
-    """Compile what planners run, for every kind of arm; later commands start at once."""
+    """Compile what planners and arenas run, for every kind of arm; later commands start at once."""
 
     planners: Annotated[str, arg(metavar="A,B")] = "search,straight,straight-wait,gcm,recall,hybrid"
     """names of planners"""
@@ -29,10 +40,16 @@ class WarmUp:
     workers: AllCores = None
     """processes that compile side by side"""
 
+    wheel: Annotated[Path | None, given("DIR", "none")] = None
+    """write a wheel there, with which others compile nothing"""
+
+    processor: Annotated[str | None, given("NAME", "by this machine")] = None
+    """for which the wheel is: x86-64-v3, apple-m1 or generic"""
+
     def run(self) -> int:
-        """Let planners answer an example for each kind of arm."""
+        """Let planners answer an example for each kind of arm, and step each arena."""
         from gcm_learn.errors import GcmError
-        from gcm_learn.planners import get_planner
+        from gcm_learn.planners import check_name
         from gcm_learn.processes import crew_of
 
         names = [name.strip() for name in self.planners.split(",") if name.strip()]
@@ -40,25 +57,46 @@ class WarmUp:
             raise CommandFailure("--planners: names no planner")
         try:
             for name in names:
-                get_planner(name)
+                check_name(name)
         except GcmError as error:
             raise CommandFailure(f"--planners: {error}") from None
-        tasks = [(name, kind) for kind in EXAMPLES for name in names]
-        with crew_of(self.workers) as crew, Progress(len(tasks), "planners") as progress:
+        if self.wheel is not None:
+            return self._build(self.wheel)
+        tasks: list[tuple[str, Any]] = [(name, e) for e in EXAMPLES for name in names]
+        if find_spec("gymnasium"):
+            tasks += [("", arena) for arena in ARENAS]
+        with crew_of(self.workers) as crew, Progress(len(tasks), "answers") as progress:
             for _ in crew.results(answered, tasks):
                 progress.advance()
         print(f"compiled for {', '.join(names)}")
         return 0
 
+    def _build(self, folder: Path) -> int:
+        """Compile for the wheel's processor in another process, and write the wheel."""
+        from gcm_learn.compiled import PROCESSORS, build_wheel, usual_processor
 
-def answered(task: tuple[str, str]) -> bool:
-    """Let a planner answer the example of a kind of arm; return whether it takes the kind."""
+        processor = self.processor or usual_processor()
+        if processor not in PROCESSORS:
+            raise CommandFailure(f"--processor {processor}: must be one of {', '.join(PROCESSORS)}")
+        command = [sys.executable, "-m", "gcm_learn", "warm-up", "--planners", self.planners]
+        command += ["--workers", str(self.workers)] if self.workers else []
+        print(build_wheel(command, folder, processor))
+        return 0
+
+
+def answered(task: tuple[str, Any]) -> bool:
+    """Let a planner answer an example, or step an arena; return whether it takes the arm."""
     from gcm_learn.errors import ArmKindError
     from gcm_learn.families import draw
     from gcm_learn.planners import solve
 
-    name, kind = task
-    situation: Any = draw(*EXAMPLES[kind])
+    name, example = task
+    if not name:
+        env: Any = resolve_name(ENTRIES[example][0])()
+        env.reset(seed=0)
+        env.step(env.action_space.sample())
+        return True
+    situation: Any = draw(*example)
     try:
         solve(situation, name)
     except ArmKindError:

@@ -1,5 +1,8 @@
 """Compiled kernels: the one folder in which private parts of numba are used."""
 
+from typing import TYPE_CHECKING
+
+from gcm_learn import late
 from gcm_learn.compiled.cache import (
     folder as folder,
     on_compile as on_compile,
@@ -12,3 +15,12 @@ from gcm_learn.compiled.sources import (
     source_hash as source_hash,
     sources_hash as sources_hash,
 )
+
+if TYPE_CHECKING:
+    from gcm_learn.compiled.wheel import (
+        PROCESSORS as PROCESSORS,
+        build_wheel as build_wheel,
+        usual_processor as usual_processor,
+    )
+
+__getattr__ = late.late_names(__name__, {"wheel": ("PROCESSORS", "build_wheel", "usual_processor")})

@@ -15,7 +15,7 @@ STARTED = time.time()
 UNCALLED = tuple(
     f"gcm_learn.{name}"
     for name in (
-        "arms.robots", "compiled.cache", "compiled.sources", "errors", "late",
+        "arms.robots", "compiled.cache", "compiled.sources", "compiled.wheel", "errors", "late",
         "motion.as_obstacles", "storage",
     )
 )  # fmt: skip

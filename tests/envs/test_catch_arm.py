@@ -165,13 +165,17 @@ def test_time_to_go_leads_to_the_target_in_an_empty_world():
     assert np.median(np.abs(field[known] / away[known] - 1.0)) < 0.1
 
 
-@pytest.mark.parametrize("first", ["gcm_learn", "gymnasium"])
-def test_it_is_registered_whoever_comes_first(first):
+@pytest.mark.parametrize(
+    "imports", ["gcm_learn, gymnasium", "gymnasium, gcm_learn", "gcm_learn, importlib.util"]
+)
+def test_it_is_registered_whoever_comes_first(imports):
+    """Also if somebody has asked where Gymnasium is."""
     import subprocess
     import sys
 
-    second = "gymnasium" if first == "gcm_learn" else "gcm_learn"
-    code = f"import {first}, {second}, gymnasium as g; print(g.spec('CatchArm-v0').entry_point)"
+    code = f"import {imports}"
+    code += "; importlib.util.find_spec('gymnasium')" if "importlib" in imports else ""
+    code += "\nimport gymnasium as g; print(g.spec('CatchArm-v0').entry_point)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "gcm_learn.envs.catch_arm:CatchArm"
 
