@@ -8,10 +8,10 @@ import sys
 import pytest
 
 import gcm_learn
-from gcm_learn import planner_names
 from gcm_learn.cli import main
 from gcm_learn.cli.arguments import COMMANDS, OLD
 from gcm_learn.cli.options import seconds
+from gcm_learn.planners import all_planner_names
 
 MISTAKES = [
     ("", "a command is missing: solve, play"),
@@ -27,7 +27,7 @@ MISTAKES = [
     ("solve .", "gcm-learn: .: cannot be read"),
     ("solve nofile.json", "gcm-learn: nofile.json: cannot be read"),
     ("solve a.json --planner layred", "did you mean 'layered'?"),
-    ("solve a.json --planner magic", f"'magic' is not one of {', '.join(planner_names())}"),
+    ("solve a.json --planner magic", f"'magic' is not one of {', '.join(all_planner_names())}"),
     ("solve a.json --colour red", "--colour"),
     ("solve a.json --planer gcm", "did you mean --planner?"),
     ("solve a.json b.json", "b.json"),

@@ -190,7 +190,7 @@ def test_a_policy_can_be_tried_out_first(file, actor, capsys):
 
 
 REFUSED = [
-    ("--planner nobody", "entrant: 'nobody' is not one of gcm"),
+    ("--planner nobody", "planner: 'nobody' is not one of covered"),
     ("--planner clone", "--planner clone: an actor in the closed loop does not take planar arms"),
     ("--planner goes-straight --replan once", "--replan once: a policy acts anew in every period"),
     ("--planner gcm", "does not take spatial arms"),
