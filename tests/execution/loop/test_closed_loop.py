@@ -312,7 +312,8 @@ def test_exact_perception_catches_what_is_planned(name):
             continue
         if situation.catch == "most" and course.outcome != CAUGHT:  # the world goes on after it
             end = course.thoughts[0].begun + mind.found[0].duration
-            assert course.catches[-1].time == pytest.approx(end, abs=1e-6) and course.time > end
+            caught = course.catches[-1].time  # the hand may come within the grasp a little earlier
+            assert end - 1e-3 < caught < end + 1e-6 and course.time > end
         else:
             assert course.outcome == CAUGHT
 
