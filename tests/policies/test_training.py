@@ -25,7 +25,7 @@ def written(path, **changes):
     return path
 
 
-KNOWN = "'guess' is not one of gcm, "
+KNOWN = "'guess' is not one of covered, "
 GUIDED = {"weights": {"guide": 1.0}}
 BAD = [
     ({"n_timesteps": "sixty"}, "n_timesteps: must be a whole number (got 'sixty')"),

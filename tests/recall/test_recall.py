@@ -32,7 +32,7 @@ def learned(seed=0, memory="trace"):
     """An index that has learned nothing."""
     torch.manual_seed(seed)
     config = EncoderConfig(dim=8, width=16, memory=memory)
-    inputs = Inputs(CONTEXT, CELLS, count(KNOTS), 965)
+    inputs = Inputs(CONTEXT, CELLS, count(KNOTS), 1345)
     return LearnedIndex(Encoder(config, EncoderNet(config, inputs).arrays()))
 
 
