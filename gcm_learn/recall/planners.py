@@ -378,7 +378,7 @@ def _refiled(memory: Memory, name: str) -> Memory:
 
 
 def stored_keys(path: Path, encoder: str, memory: str) -> np.ndarray | None:
-    """Return the embeddings in a file, None unless they are of an encoder and of a memory."""
+    """Return the embeddings in a file if they are of this encoder and this memory, else None."""
     if not path.exists():
         return None
     with np.load(path) as file:

@@ -53,7 +53,7 @@ def apart(first, second):
     return found
 
 
-def asked(shape, kind, count=400):
+def asked(shape, kind, count=800):
     """Distances of limb and obstacle at random postures and times: fcl's, ours, the referee's."""
     rng, rows = seeding.rng(5, SHAPES.index(shape)), []
     shoulder, arm = np.array(ARM["base"]["origin"]), arm_of(ARM | {"thickness": 0.0})

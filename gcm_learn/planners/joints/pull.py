@@ -84,7 +84,7 @@ def _pulled_along(study, b, t, q):
     """Turn joints q (n,) until the hand catches body b from its approach; see `pulled`.
 
     Newton's method on distance and angle together, damped; joints that would leave their box are
-    held for a round.  Returns 1 if it succeeds, 0 if not, -1 if the target has no approach.
+    held for a round.  Returns 1 for success, 0 for failure, -1 for a target without approach.
     """
     if not has_approach(study.scene, b):
         return -1
