@@ -22,12 +22,12 @@ class _Layers(MlpExtractor):
     """Layers before the heads, from features (n, width) to latent numbers (n, units) float32."""
 
     def forward_actor(self, features: torch.Tensor) -> torch.Tensor:
-        """Compute the features of the policy."""
+        """Compute the latent numbers of the policy."""
         with torch.autocast("cpu", torch.bfloat16):
             return super().forward_actor(features).float()
 
     def forward_critic(self, features: torch.Tensor) -> torch.Tensor:
-        """Compute the features of the value."""
+        """Compute the latent numbers of the value."""
         with torch.autocast("cpu", torch.bfloat16):
             return super().forward_critic(features).float()
 
