@@ -225,7 +225,6 @@ class Cache(FunctionCache):
     def __init__(self, py_func: Callable[..., Any]) -> None:
         super().__init__(py_func)
         self._cache_file = _CacheFile(self._cache_path, self._impl.filename_base)
-        self._function = py_func
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """Return the code of a signature; None where it has to be compiled."""
@@ -243,7 +242,7 @@ class Cache(FunctionCache):
         made = ahead()
         if made is None:
             return None
-        file = _CacheFile(str(made.folder / folder_of(self._function)), self._impl.filename_base)
+        file = _CacheFile(str(made.folder / folder_of(self._py_func)), self._impl.filename_base)
         data = file.load(self._key(sig, target_context.codegen(), made.machine))
         return None if data is None else self._impl.rebuild(target_context, data)
 

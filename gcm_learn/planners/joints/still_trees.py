@@ -74,6 +74,13 @@ def _met(study, trees, tree, node):
 
 
 @njit(_nrt=False)
+def draw_tree(trees):
+    """Draw the tree that grows next, mostly the smaller one."""
+    smaller = FROM_START if trees.size[0] <= trees.size[1] else FROM_CATCH
+    return smaller if uniform(trees) < BALANCE else 1 - smaller
+
+
+@njit(_nrt=False)
 def _grown(study, trees, tree):
     """Grow a tree by a step to a drawn posture: the new node, -1 if that is blocked."""
     q = study.goal
@@ -101,8 +108,7 @@ def search_still(study, trees, rounds, horizon, way):
                 continue
         box(study, study.scene.limb.start, horizon)
         if node < 0:
-            smaller = FROM_START if trees.size[0] <= trees.size[1] else FROM_CATCH
-            tree = smaller if uniform(trees) < BALANCE else 1 - smaller
+            tree = draw_tree(trees)
             node = _grown(study, trees, tree)
         rounds -= 1
         m = _met(study, trees, 1 - tree, node) if node >= 0 else -1

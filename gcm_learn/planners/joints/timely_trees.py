@@ -15,7 +15,7 @@ from gcm_learn.compiled import njit
 from gcm_learn.planners.joints.meeting_trees import join, trace
 from gcm_learn.planners.joints.moves import time_of, timed_move_is_free, turning_time
 from gcm_learn.planners.joints.ramps import GIVEN
-from gcm_learn.planners.joints.still_trees import BALANCE, GOAL, GOALS, RANGE, ROUND
+from gcm_learn.planners.joints.still_trees import GOAL, GOALS, RANGE, ROUND, draw_tree
 from gcm_learn.planners.joints.tree_goals import draw_goal
 from gcm_learn.planners.joints.tree_moves import FROM_CATCH, FROM_START
 from gcm_learn.planners.joints.trees import add_node, uniform
@@ -118,8 +118,7 @@ def search_timely(study, trees, rounds, horizon, way):
             if node < 0 and none:
                 continue
         if node < 0:
-            smaller = FROM_START if trees.size[0] <= trees.size[1] else FROM_CATCH
-            tree = smaller if uniform(trees) < BALANCE else 1 - smaller
+            tree = draw_tree(trees)
             t = _draw_in_time(study, trees)
             node, steps = _nearest(study, trees, tree, study.goal, t)
             if node >= 0:
