@@ -4,8 +4,8 @@ python -m experiments 10_map_embedding PLANE ENCODERS     a sheet, its page and 
 
 PLANE is the folder of `gcm-learn generate data/specs/recall.toml`, ENCODERS holds the encoders of
 maps `map-1`, `map-2` and `map-3`, by their seeds. Encoders of raw parameters start from the same
-one of paths, and take as many lessons. All file the memory that ships, whose maps were among
-those of the lessons, or another one (--memory DIR).
+one of paths, and take as many lessons. All file the shipped memory, whose maps were among the
+maps of the lessons. Option --memory takes another memory.
 """
 
 from __future__ import annotations
@@ -93,7 +93,7 @@ def main() -> None:
     parser.add_argument("plane")
     parser.add_argument("encoders", type=Path)
     parser.add_argument("--count", type=int, default=COUNT, help="situations of each stratum")
-    parser.add_argument("--memory", help="folder of a memory in place of the one that ships")
+    parser.add_argument("--memory", help="folder of a memory in place of the shipped one")
     given = parser.parse_args()
     memory = Memory.load(given.memory) if given.memory else shipped_memory("recall")
     out = HERE / "out" / (Path(given.memory).name if given.memory else "shipped")
