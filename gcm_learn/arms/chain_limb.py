@@ -264,15 +264,16 @@ def inverts(limb):
 def jacobian(limb, q, out):
     """Write the derivative of the hand by the coordinates, after `place`, into `out` (3, n)."""
     x, y, z = hand_of(limb, 0)
-    out[:] = 0.0
     hand = limb.radii.size
-    for step in range(depth_of(limb.tree, limb.carriers, hand)):
+    count = depth_of(limb.tree, limb.carriers, hand)
+    out[:, count if limb.tree is None else 0 :] = 0.0
+    for step in range(count):
         k = moving(limb.tree, hand, step)
         j, factor, _ = line_of(limb.tree, k)
         ax, ay, az = moved_by(limb.joints, limb.axes, k, x, y, z)
-        out[0, j] += factor * ax
-        out[1, j] += factor * ay
-        out[2, j] += factor * az
+        if limb.tree is not None:  # several joints of one coordinate add up
+            ax, ay, az = out[0, j] + factor * ax, out[1, j] + factor * ay, out[2, j] + factor * az
+        out[0, j], out[1, j], out[2, j] = ax, ay, az
 
 
 def _tails(arm: Chain) -> np.ndarray:
