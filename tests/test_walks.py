@@ -130,7 +130,7 @@ def test_from_a_specification_to_a_shard(kind, words, called, tmp_path):
     assert seen == walk_of(title, kind)
 
 
-@pytest.mark.parametrize("kind", ["planar", "spatial"])
+@pytest.mark.parametrize("kind", ["planar", pytest.param("spatial", marks=pytest.mark.slow)])
 def test_from_a_situation_to_a_recalled_plan(kind, called):
     situation, title = DRAWN[kind]("recall-1"), "From a situation to a recalled plan"
     seen = called(WALKS[title])

@@ -45,6 +45,7 @@ def test_who_may_not_search_goes_straight_or_gives_up():
 LID = flying("obstacle", Sphere(0.35), hand_of(GOAL), (0.0, 1.2, 0.0))
 
 
+@pytest.mark.slow  # compiles the oracle for spatial arms
 @pytest.mark.parametrize(
     "bodies", [(), (POST,), (LID,), (flying("obstacle", Sphere(0.7), hand_of(GOAL)),)]
 )
@@ -53,6 +54,7 @@ def test_strata_are_those_of_the_yardstick(bodies):
     assert case(situation).verdict() == yardstick(situation, 200.0, earliest=False).stratum
 
 
+@pytest.mark.slow
 def test_what_the_yardstick_says_is_the_same_twice():
     first, second = (dataset.make_item(replace(SPACE, audit=1.0), 1).oracle for _ in range(2))
     assert first == second and first.stratum in "LWQU" and first.lower <= first.upper
@@ -90,9 +92,9 @@ def test_arms_are_many_and_some_are_held_out():
     families = tuple(dataset.FamilyShare(name, config=config) for name in family_names("spatial"))
     long = dataset.Holdout("test-arms", quantity="upper_arm", above=1.1)
     spec, arms = replace(SPACE, families=families, planners=("straight",), holdouts=(long,)), {}
-    for k in range(60):
+    for k in range(40):
         record = dataset.make_item(spec, k)
         ratio = record.quantities["upper_arm"]
         assert (record.split == "test-arms") == (ratio > 1.1)
         arms.setdefault(record.split, set()).add(ratio)
-    assert len(arms["train"]) > 20 and max(arms["train"]) <= 1.1 < min(arms["test-arms"])
+    assert len(arms["train"]) > 12 and max(arms["train"]) <= 1.1 < min(arms["test-arms"])

@@ -162,7 +162,7 @@ class Nobody:
 
 
 def test_targets_are_counted_where_several_are_wanted():
-    case = [families.draw("sequence-space", 9, k) for k in range(2)]
+    case = [families.draw("sequence-chain", 10, k) for k in range(2)]
     sheet = ask([first_leg, "search"], case)
     legs, whole = (sheet.where(entrant=name) for name in ("first_leg", "search"))
     assert not (sheet["outcome"] == "broken").any() and set(legs["targets"]) == {1}

@@ -69,7 +69,7 @@ def _compiled():
         solve(Situation("warm", 2.0, Arm((1.2, 0.5), 3.0), (goal, post)), planner)
 
 
-@settings(max_examples=100)
+@settings(max_examples=25)
 @given(strategies.situations(), planners)
 def test_valid_situations_get_an_answer_that_holds(situation, planner):
     plan = answered(situation, planner)

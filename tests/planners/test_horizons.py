@@ -45,12 +45,14 @@ def held(planner, situation, times):
     return True
 
 
-@pytest.mark.parametrize("planner", QUICK)
 @pytest.mark.parametrize(
-    "family",
+    ("family", "planner"),
     [
-        "late-target", "falling-space", "throw-chain",
-        *(pytest.param(name, marks=pytest.mark.slow) for name in ("pendulum", "over-shelf-space")),
+        *product(("late-target", "throw-chain"), QUICK), ("falling-space", "search"),
+        *(
+            pytest.param(*pair, marks=pytest.mark.slow)
+            for pair in product(("falling-space", "pendulum", "over-shelf-space"), QUICK)
+        ),
     ],
 )  # fmt: skip
 def test_a_catch_is_a_catch_at_later_horizons(family, planner):
@@ -81,9 +83,9 @@ def delayed(family, wait):
 
 
 JOINTS = ("static-clutter-space", "conveyor-chain")
-LATE = [(family, planner) for family in JOINTS for planner in ("recall", "search", "straight")]
+LATE = [(family, planner) for family in JOINTS for planner in ("search", "straight")]
 LATE += [("moving-point", planner) for planner in (*QUICK, "gcm")]
-SLOW = [*product(JOINTS, ("hybrid", "marching", "straight-wait"))]
+SLOW = [*product(JOINTS, ("hybrid", "marching", "recall", "straight-wait"))]
 SLOW += [*product(["moving-point"], sorted({*PLANNERS} - {*QUICK, "gcm"}))]
 
 

@@ -47,7 +47,7 @@ def _compiled():
             solve(situation_from_json(scene), planner)
 
 
-@settings(max_examples=60)
+@settings(max_examples=20)
 @given(strategies.spatial_situations(), planners)
 def test_valid_situations_get_an_answer_that_holds(situation, planner):
     plan = answered(situation, planner)
@@ -98,7 +98,7 @@ def wild_situations(draw):
     return Situation("wild", wild_horizons(draw, bodies), arm, tuple(bodies))
 
 
-@settings(max_examples=60)
+@settings(max_examples=20)
 @given(wild_situations(), planners)
 def test_wild_situations_get_an_answer(situation, planner):
     answered(situation, planner)
@@ -135,7 +135,7 @@ def commanded(scene, planner):
         return code, written, complaint.getvalue().replace(f"{folder}/", "")
 
 
-@settings(max_examples=60)
+@settings(max_examples=20)
 @given(spoiled_objects() | wild_situations().map(situation_to_json), planners)
 def test_the_command_answers_or_refuses_in_one_line(scene, planner):
     assume(scene.get("format") != "gcm-learn/situation@1")

@@ -286,7 +286,7 @@ def test_one_catch_of_two_that_are_wanted_is_broken():
 @pytest.fixture(scope="module")
 def sequence():
     """Return a situation that asks for several targets, and a plan that catches some."""
-    situation = draw("sequence-space", 9, 0)
+    situation = draw("sequence-chain", 10, 0)
     plan = solve(situation, "search")
     assert len(plan.on_the_way) > 1
     return situation, plan

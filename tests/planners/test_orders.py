@@ -15,7 +15,14 @@ from gcm_learn.referee import judge
 from gcm_learn.situation import situation_to_json
 
 LEG = TreeSearch(rounds=100).plan
-SITUATIONS = [draw("sequence-space", 9, k) for k in range(4)]
+SPACE = pytest.param(("sequence-space", 9), marks=pytest.mark.slow)
+
+
+@pytest.fixture(params=[("sequence-chain", 10), SPACE], ids=["chain", "spatial"])
+def situations(request):
+    """Return situations of several targets."""
+    family, seed = request.param
+    return [draw(family, seed, k) for k in range(4)]
 
 
 def never():
@@ -24,9 +31,9 @@ def never():
 
 
 @pytest.mark.parametrize("order", ["found", "distance", "time", "bound"])
-def test_courses_get_better_and_their_movement_holds(order):
+def test_courses_get_better_and_their_movement_holds(situations, order):
     caught = 0
-    for situation in SITUATIONS:
+    for situation in situations:
         courses = list(ORDERS[order](LEG, Course(situation), never))
         worths = [course.worth for course in courses]
         assert worths == sorted(worths)
@@ -37,18 +44,18 @@ def test_courses_get_better_and_their_movement_holds(order):
             names = {name for name, _ in plan.on_the_way} | {plan.catch_body}
             assert len(names) == len(courses[-1].legs)
             caught += len(names)
-    assert caught >= len(SITUATIONS)
+    assert caught >= len(situations)
 
 
-def test_branch_and_bound_catches_at_least_as_many_as_its_first_way_down():
-    for situation in SITUATIONS:
+def test_branch_and_bound_catches_at_least_as_many_as_its_first_way_down(situations):
+    for situation in situations:
         worths = [course.worth for course in bounded(LEG, Course(situation), never)]
         greedy = list(ORDERS["time"](LEG, Course(situation), never))
         if greedy:
             assert worths[-1][0] >= greedy[-1].worth[0]
 
 
-def test_an_order_stops_when_time_is_up():
+def test_an_order_stops_when_time_is_up(situations):
     asked = []
 
     def leg(situation):
@@ -56,12 +63,12 @@ def test_an_order_stops_when_time_is_up():
         return LEG(situation)
 
     for order in ORDERS.values():
-        assert list(order(leg, Course(SITUATIONS[0]), lambda: True)) == []
+        assert list(order(leg, Course(situations[0]), lambda: True)) == []
     assert asked == []
 
 
-def test_what_cannot_be_reached_is_met_never_and_a_target_at_hand_at_once():
-    situation = SITUATIONS[0]
+def test_what_cannot_be_reached_is_met_never_and_a_target_at_hand_at_once(situations):
+    situation = situations[0]
     target = situation.targets[0]
     place = tuple(1e3 + x for x in target.motion.position)
     far = replace(target, motion=replace(target.motion, position=place))
@@ -74,14 +81,14 @@ def test_what_cannot_be_reached_is_met_never_and_a_target_at_hand_at_once():
     assert INSTANTS * min(there.values()) >= situation.horizon * (1.0 - 1e-9)
 
 
-def test_distances_are_those_of_all_targets():
-    found = distances(SITUATIONS[0])
-    assert set(found) == {body.name for body in SITUATIONS[0].targets}
+def test_distances_are_those_of_all_targets(situations):
+    found = distances(situations[0])
+    assert set(found) == {body.name for body in situations[0].targets}
     assert all(value > 0.0 for value in found.values())
 
 
-def test_targets_caught_at_once_are_told_in_the_order_of_the_bodies():
-    situation = draw("sequence-space", 9, 0)
+def test_targets_caught_at_once_are_told_in_the_order_of_the_bodies(situations):
+    situation = situations[0]
     first = LEG(with_targets(situation, {situation.targets[0].name}))
     assert first.caught
     last = situation.targets[0]
@@ -96,8 +103,8 @@ def test_targets_caught_at_once_are_told_in_the_order_of_the_bodies():
         assert [plan.on_the_way[0][0], plan.catch_body] == ["twin", last.name]
 
 
-def test_with_more_time_orders_are_tried_again_with_longer_legs():
-    situation, given = SITUATIONS[0], []
+def test_with_more_time_orders_are_tried_again_with_longer_legs(situations):
+    situation, given = situations[0], []
 
     class Counting:
         anytime = True
@@ -111,6 +118,6 @@ def test_with_more_time_orders_are_tried_again_with_longer_legs():
     assert given[0] == SHORT and given == sorted(given) and given[-1] > SHORT
 
 
-def test_only_courses_better_than_a_known_one_are_told():
-    best = list(bounded(LEG, Course(SITUATIONS[0]), never))[-1]
-    assert list(bounded(LEG, Course(SITUATIONS[0]), never, best)) == []
+def test_only_courses_better_than_a_known_one_are_told(situations):
+    best = list(bounded(LEG, Course(situations[0]), never))[-1]
+    assert list(bounded(LEG, Course(situations[0]), never, best)) == []

@@ -93,7 +93,7 @@ def test_a_spatial_arm_is_answered_in_the_format_of_its_situation():
 @pytest.mark.parametrize("horizon", [1e-3, 1.0])
 def test_plans_know_the_format_of_their_situation(horizon):
     newer = replace(read_situations(EXAMPLES)[0], format="gcm-learn/situation@3", horizon=horizon)
-    for planner in ("straight", "recall", "search"):
+    for planner in ("straight", "search"):
         assert solve(newer, planner).format == newer.format
 
 

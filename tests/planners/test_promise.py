@@ -41,12 +41,12 @@ FAMILIES = {
     "slippery": slippery,
 }
 COUNT = {"planar": 40, "solid": 16, "limited": 10, "slippery": 16}
-# Limits compile code of their own for these two, so the slow tests ask them.
+# Limits compile code of their own for these two, and the slow tests ask them.
 ASKED = [
     pytest.param(family, *planner.values, marks=planner.marks)
     for family in FAMILIES
     for planner in PLANNERS
-    if family != "limited" or planner.values[0] not in ("oracle", "layered-wave")
+    if family != "limited" or planner.values[0] not in ("oracle", "layered")
 ]
 
 

@@ -54,8 +54,11 @@ def test_the_search_ends_and_says_why(situation):
 
 
 @pytest.mark.parametrize("planner", ["marching", "straight-wait"])
-def test_other_planners_end_too(situation, planner):
-    assert solve(situation, planner).status in ("caught", "unreachable")
+@pytest.mark.parametrize(
+    "family", ["gate", pytest.param("falling-space", marks=pytest.mark.slow)]
+)
+def test_other_planners_end_too(family, planner):
+    assert solve(needle_in_the_way(family, 7), planner).status in ("caught", "unreachable")
 
 
 def test_slower_needles_are_planned_for(situation):

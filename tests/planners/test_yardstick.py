@@ -22,6 +22,8 @@ from tests.planners.test_joint_straight import ARM, GOAL, ball, flying, hand_of,
 from tests.planners.test_joint_trees import POST
 from tests.spatial import EXAMPLES
 
+pytestmark = pytest.mark.slow  # compiles the oracle and the field for spatial arms
+
 LID = flying("obstacle", Sphere(0.35), hand_of(GOAL), (0.0, 1.2, 0.0))
 
 

@@ -63,7 +63,7 @@ def test_solids_are_where_the_arm_and_the_bodies_are(case):
 
 
 def test_several_catches_are_marked_in_order_and_what_is_caught_is_gone():
-    situation = draw("sequence-space", 9, 0)
+    situation = draw("sequence-chain", 10, 0)
     plan = solve(situation, "search")
     data = page_data(situation, plan)
     assert [(c["name"], c["time"]) for c in data["catches"]] == [

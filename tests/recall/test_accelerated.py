@@ -20,6 +20,8 @@ from tests.recall.worlds import LIMITED, catches_of, memory_of
 from tests.situation.scenes import MOVING
 from tests.worlds import solid_ball
 
+pytestmark = pytest.mark.slow  # compiles recall for spatial arms under such limits
+
 
 def test_a_catch_keeps_its_timing_where_it_was_made():
     """Where it was made it is mostly one of its own times, and its way."""
@@ -69,7 +71,6 @@ def test_knots_of_a_curve_tell_its_course_and_only_rests_are_waits():
     assert waiting > 0
 
 
-@pytest.mark.slow
 def test_memories_without_such_limits_serve_under_them_and_the_other_way_round():
     """What is kept is the same for both, so folders from before such limits were known load."""
     free = list(replace(LIMITED, accelerates=False).drawn(313, 24))
@@ -140,7 +141,6 @@ def test_wild_situations_get_an_answer(_compiled, situation):
     answered(situation, "recall")
 
 
-@pytest.mark.slow
 @settings(max_examples=1000)
 @given(situation=wild_situations() | strategies.spatial_situations())
 def test_many_situations_get_an_answer(_compiled, situation):

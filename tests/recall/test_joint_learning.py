@@ -82,7 +82,10 @@ CASES = {
 }  # fmt: skip
 
 
-@pytest.fixture(scope="module", params=CASES)
+SLOW = pytest.mark.slow  # compiles recall for spatial arms
+
+
+@pytest.fixture(scope="module", params=["chain", pytest.param("spatial", marks=SLOW)])
 def case(request):
     """Each kind of arm in joints."""
     return CASES[request.param]
@@ -184,6 +187,7 @@ def test_train_and_remember_on_the_command_line(case, folder, small, tmp_path, c
     capsys.readouterr()
 
 
+@pytest.mark.slow
 def test_an_encoder_keeps_to_the_number_of_joints_that_it_learned_from(tmp_path, small, capsys):
     case = CASES["chain"]
     own = {"family": "handover-chain", "arm": {"model": "ur5"}}
@@ -210,6 +214,7 @@ def test_encoders_know_every_kind_of_arm():
     assert words in refusal(EncoderError, EncoderConfig, arm="other")
 
 
+@pytest.mark.slow  # compiles a march for spatial arms
 @pytest.mark.parametrize("k", range(4))
 def test_coarse_maps_are_the_same_in_a_mirror(k):
     situation, other = seen_in_a_mirror(canonical(families.draw("window-space", 41, k))[0])

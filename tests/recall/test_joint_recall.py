@@ -14,6 +14,7 @@ from gcm_learn.situation.spatial_frame import _in_base, _mirrored
 from tests.judging import judge
 from tests.recall.worlds import FREE, LIMITED, catches_of, memory_of, times
 
+SLOW = pytest.mark.slow  # compiles recall for spatial arms
 WORLDS = pytest.mark.parametrize("world", [FREE, LIMITED], ids=["free", "limited"])
 
 
@@ -28,6 +29,7 @@ PLANNERS = {
 }
 
 
+@SLOW
 @WORLDS
 @pytest.mark.parametrize("name", PLANNERS)
 def test_every_catch_keeps_the_promise_and_goes_on_with_the_rates_at_the_start(name, world):
@@ -44,6 +46,7 @@ def test_every_catch_keeps_the_promise_and_goes_on_with_the_rates_at_the_start(n
     assert caught > (1 if name == "recall-1" else 4) and other > 0
 
 
+@SLOW
 def test_what_was_met_before_is_recalled_from_itself():
     planner, own = recall.RecallPlanner(memory_of(FREE)), 0
     for k, (situation, _) in enumerate(catches_of(FREE)[:60]):
@@ -58,6 +61,7 @@ def mirrored(situation):
     return replace(situation, arm=_mirrored(situation.arm), bodies=bodies)
 
 
+@SLOW
 @WORLDS
 def test_a_right_arm_recalls_what_a_left_one_does(world):
     """The memory and its timing always; the way, unless a change of it went to the other side."""
@@ -111,6 +115,7 @@ def test_memories_of_space_are_stored_and_never_mixed_with_others(tmp_path):
         recall.PcaIndex.fit([catches[0][0]])
 
 
+@SLOW
 def test_planners_by_name_answer_both_kinds_of_arm(tmp_path, monkeypatch):
     from gcm_learn import artifacts
     from gcm_learn.recall import planners
@@ -127,6 +132,7 @@ def test_planners_by_name_answer_both_kinds_of_arm(tmp_path, monkeypatch):
     planners._memory.cache_clear()
 
 
+@SLOW
 @WORLDS
 def test_changes_save_catches_and_leave_free_movements_alone(world):
     """Pushes and holds, or more times of the end, help; what was free before stays as it is."""

@@ -83,9 +83,9 @@ def test_other_maps_and_encoders_are_refused_in_one_line(models):
         embed([])
     with pytest.raises(EncoderError, match="by their paths, not by maps"):
         embed(planar_map(random_planar(seeding.rng(1))), load_encoder("models/encoder"))
-    space = families.draw("window-space", 1, 0)
+    space = families.draw("conveyor-chain", 1, 0)
     coarse = build_map(space, MarchingParams(n=16, margin=0.0))
-    with pytest.raises(EncoderError, match="of planar arms, the map of spatial arms"):
+    with pytest.raises(EncoderError, match="of planar arms, the map of chains"):
         embed(coarse, load_encoder(map_encoder()))
     with pytest.raises(RecallError, match="gcm-learn train encoder DATASET --memory map"):
         embed(coarse)

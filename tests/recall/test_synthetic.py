@@ -15,7 +15,8 @@ from gcm_learn.errors import RecallError
 from gcm_learn.recall import Memory, RandomIndex, RecallPlanner, remember, waypoints_of
 from gcm_learn.recall.growth import Habit, Synthetic, habits_of
 
-FAMILIES = ("crossing-swarm", "crossing-swarm-space", "swarm-chain")
+SPATIAL = pytest.param("crossing-swarm-space", marks=pytest.mark.slow)
+FAMILIES = ("crossing-swarm", SPATIAL, "swarm-chain")
 HABIT = Habit(length=1.5, end=0.8, wait=0.25)
 
 
