@@ -87,12 +87,14 @@ def folder_of(module: str) -> str:
     return parts[1] if len(parts) > 1 and parts[1] in FOLDERS else ""
 
 
+@cache
 def is_compiled(module: str) -> bool:
     """Return whether a module has kernels."""
     text = MODULES[module].read_text("utf-8")
     return folder_of(module) != "" and ("@njit" in text or "@by_limb" in text)
 
 
+@cache
 def is_kernel_file(module: str) -> bool:
     """Return whether at least half of a module's functions are kernels."""
     functions = [node for node in ast.walk(tree_of(module)) if isinstance(node, ast.FunctionDef)]

@@ -12,6 +12,7 @@ import pytest
 ROOT = Path(__file__).parents[1]
 
 
+@pytest.mark.slow
 def test_the_site_is_built_without_warnings(tmp_path):
     """Pages are read and their links resolved; test_notebooks executes the notebooks."""
     for library in ("sphinx", "myst_nb", "furo"):

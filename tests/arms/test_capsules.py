@@ -181,7 +181,7 @@ def test_capsules_hold_boxes_and_all_between_their_corners(seed):
     "parts",
     [
         [box((0.2, 0.15, 0.02))],
-        [cylinder(0.06, 0.1)],
+        pytest.param([cylinder(0.06, 0.1)], marks=pytest.mark.slow),
         [box((0.3, 0.05, 0.05)), box((0.05, 0.3, 0.05))],
     ],
     ids=["plate", "cylinder", "cross"],
@@ -206,6 +206,7 @@ def test_overhang_is_small_and_as_large_as_fcl_says(parts):
             assert min(apart(at, solid) for solid in solids) <= cell.overhang + 2e-3
 
 
+@pytest.mark.slow
 def test_balls_that_overlap_get_few_capsules_that_fit(tmp_path):
     base = made(tmp_path, BALLS, capsules=12).covers[0]
     assert base.link == "base" and base.overhang <= 0.02

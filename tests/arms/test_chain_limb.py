@@ -32,7 +32,9 @@ from tests.geometry import arm_of, hand_of, links_of
 
 SEEDS = st.integers(0, 2**32 - 1)
 HAIR = 1e-9
-ANY = strategies.chains() | strategies.chains(trees=True)
+TREES = pytest.param(strategies.chains(trees=True), marks=pytest.mark.slow)
+EACH = pytest.mark.parametrize("arms", [strategies.chains(), TREES], ids=["chains", "trees"])
+"""Trees compile all of it once more."""
 
 
 def judged(arm):
@@ -63,8 +65,10 @@ def along(curve, shares):
     return joints
 
 
-@given(ANY, SEEDS)
-def test_links_and_hands_are_the_referees(arm, seed):
+@EACH
+@given(st.data(), SEEDS)
+def test_links_and_hands_are_the_referees(arms, data, seed):
+    arm = data.draw(arms)
     joints, other = postures(arm, seed, 5), judged(arm)
     (ends, radii), (hands, axes) = links_along(arm, joints), hands_along(arm, joints)
     links, thick = links_of(other, joints)
@@ -110,8 +114,10 @@ def mjcf(arm: Chain):
     return f'<mujoco><compiler angle="radian"/><worldbody>{base}</worldbody></mujoco>'
 
 
-@given(ANY, SEEDS)
-def test_derivatives_are_differences(arm, seed):
+@EACH
+@given(st.data(), SEEDS)
+def test_derivatives_are_differences(arms, data, seed):
+    arm = data.draw(arms)
     limb, q = limb_of_chain(arm), postures(arm, seed, 1)[0]
     turns, moves, h = np.zeros((3, arm.dof)), np.zeros((3, arm.dof)), 1e-6
     place(limb, q)
@@ -125,8 +131,10 @@ def test_derivatives_are_differences(arm, seed):
         assert turns[:, j] == pytest.approx((axes[0] - axes[1]) / (2 * h), abs=1e-6)
 
 
-@given(ANY, SEEDS, st.floats(0.0, 1.0))
-def test_no_point_of_a_link_travels_farther_than_its_bound(arm, seed, width):
+@EACH
+@given(st.data(), SEEDS, st.floats(0.0, 1.0))
+def test_no_point_of_a_link_travels_farther_than_its_bound(arms, data, seed, width):
+    arm = data.draw(arms)
     limb, curve = limb_of_chain(arm), moved(arm, seed)
     middle, half = 0.5, 0.5 * width
     joints = along(curve, np.linspace(middle - half, middle + half, 101))
@@ -137,9 +145,11 @@ def test_no_point_of_a_link_travels_farther_than_its_bound(arm, seed, width):
     assert (way <= limb.ways + HAIR).all()
 
 
-@given(ANY, SEEDS, st.floats(0.0, 2.0))
-def test_travel_bounds_any_turns_either_way(arm, seed, most):
+@EACH
+@given(st.data(), SEEDS, st.floats(0.0, 2.0))
+def test_travel_bounds_any_turns_either_way(arms, data, seed, most):
     """Joints may leave their ranges, as those of a bound do."""
+    arm = data.draw(arms)
     limb, (q,) = limb_of_chain(arm), postures(arm, seed, 1)
     rng, factors = np.random.default_rng(seed), arm.model.factors
     place(limb, q)
@@ -151,8 +161,10 @@ def test_travel_bounds_any_turns_either_way(arm, seed, most):
         assert (way <= np.array(bounds) + HAIR).all()
 
 
-@given(ANY, SEEDS)
-def test_the_hands_rate_and_its_bounds(arm, seed):
+@EACH
+@given(st.data(), SEEDS)
+def test_the_hands_rate_and_its_bounds(arms, data, seed):
+    arm = data.draw(arms)
     limb, curve, q = limb_of_chain(arm), moved(arm, seed), np.zeros(arm.dof)
     h, shares = 1e-6, np.linspace(0.01, 0.99, 23)
     ahead, behind = (hands_along(arm, along(curve, shares + side)) for side in (h, -h))
@@ -174,16 +186,20 @@ def test_the_hands_rate_and_its_bounds(arm, seed):
     assert way <= hand_travel(limb, first, last) + HAIR
 
 
-@given(ANY, SEEDS)
-def test_no_hand_that_is_too_fast_is_missed(arm, seed):
+@EACH
+@given(st.data(), SEEDS)
+def test_no_hand_that_is_too_fast_is_missed(arms, data, seed):
+    arm = data.draw(arms)
     limb, curve, q = limb_of_chain(arm), moved(arm, seed), np.zeros(arm.dof)
     fastest = max(hand_rate(limb, curve, s, q) for s in np.linspace(0.0, 1.0, 2001))
     assert fastest == 0.0 or hand_too_fast(limb, curve, fastest * (1.0 - 1e-9), q)
     assert not hand_too_fast(limb, curve, fastest * 1.02 + 1e-6, q)
 
 
-@given(ANY, SEEDS)
-def test_the_nearest_pair_by_many_points(arm, seed):
+@EACH
+@given(st.data(), SEEDS)
+def test_the_nearest_pair_by_many_points(arms, data, seed):
+    arm = data.draw(arms)
     pairs = tuple(itertools.combinations(range(len(arm.model.links)), 2))
     arm = replace(arm, model=replace(arm.model, self_collision=pairs))
     limb, (q,) = limb_of_chain(arm), postures(arm, seed, 1)

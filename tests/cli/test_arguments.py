@@ -8,7 +8,7 @@ import sys
 import pytest
 
 import gcm_learn
-from gcm_learn.cli import main
+from gcm_learn.cli import main, warm_up
 from gcm_learn.cli.arguments import COMMANDS, OLD
 from gcm_learn.cli.options import seconds
 from gcm_learn.planners import all_planner_names
@@ -138,6 +138,10 @@ def test_what_is_no_time_is_refused(text):
         seconds(text)
 
 
-def test_kernels_are_compiled_for_every_kind_of_arm(capsys):
+@pytest.mark.parametrize("whole", [False, pytest.param(True, marks=pytest.mark.slow)])
+def test_kernels_are_compiled_for_every_kind_of_arm(whole, capsys, monkeypatch):
+    if not whole:
+        monkeypatch.setattr(warm_up, "EXAMPLES", warm_up.EXAMPLES[1:3])
+        monkeypatch.setattr(warm_up, "ARENAS", warm_up.ARENAS[:1])
     assert main(["warm-up", "--planners", "straight", "--workers", "1"]) == 0
     assert capsys.readouterr() == ("compiled for straight\n", "")

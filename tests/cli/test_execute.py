@@ -173,7 +173,10 @@ def actor(tmp_path, monkeypatch):
     return "goes-straight"
 
 
-@pytest.mark.parametrize(("plant", "noise"), [("mujoco", "0"), ("kinematic", "0.002")])
+@pytest.mark.parametrize(
+    ("plant", "noise"),
+    [pytest.param("mujoco", "0", marks=pytest.mark.slow), ("kinematic", "0.002")],
+)
 def test_a_policy_acts_by_what_is_seen(file, actor, plant, noise, capsys):
     argv = ["execute", str(file), "--planner", actor, "--plant", plant, "--noise", noise]
     assert main([*argv, "--out", "-"]) == 0
@@ -183,6 +186,7 @@ def test_a_policy_acts_by_what_is_seen(file, actor, plant, noise, capsys):
     assert done["status"] in ("caught", "collided", "late")  # thinking takes real time
 
 
+@pytest.mark.slow
 def test_a_policy_can_be_tried_out_first(file, actor, capsys):
     assert main(["execute", str(file), "--planner", f"{actor}@1", "--out", "-"]) == 0
     done = json.loads(capsys.readouterr().out.splitlines()[1])

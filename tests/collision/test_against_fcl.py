@@ -79,7 +79,7 @@ def asked(shape, kind, count=800):
     return np.array(rows).T
 
 
-@pytest.mark.parametrize("kind", ["quadratic", "pendulum"])
+@pytest.mark.parametrize("kind", ["quadratic", pytest.param("pendulum", marks=pytest.mark.slow)])
 @pytest.mark.parametrize("shape", SHAPES, ids=lambda shape: shape["kind"])
 def test_limbs_are_as_far_from_solids_as_fcl_says(shape, kind):
     theirs, ours, referee = asked(shape, kind)

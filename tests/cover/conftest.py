@@ -33,7 +33,7 @@ def chain():
     return grown("belt-chain", 2, share=0.9, cells=200)
 
 
-@pytest.fixture(params=["plane", "space", "chain"])
+@pytest.fixture(params=["plane", "chain", pytest.param("space", marks=pytest.mark.slow)])
 def cover(request):
     """Return each of the covers."""
     return request.getfixturevalue(request.param)

@@ -109,11 +109,11 @@ def test_cells_that_were_not_examined_are_said(plane):
     assert plan.message == "not covered: the cell was not examined"
 
 
-def test_the_planner_takes_the_kinds_of_its_covers(plane, space):
-    both = CoveredPlanner((plane, space))
-    assert takes(both, PLANAR) and takes(both, SPATIAL) and not takes(both, CHAIN)
-    assert not takes(CoveredPlanner((plane,)), SPATIAL)
-    for cover in (plane, space):
+def test_the_planner_takes_the_kinds_of_its_covers(plane, chain):
+    both = CoveredPlanner((plane, chain))
+    assert takes(both, PLANAR) and takes(both, CHAIN) and not takes(both, SPATIAL)
+    assert not takes(CoveredPlanner((plane,)), CHAIN)
+    for cover in (plane, chain):
         assert takes(both, kind_of(cover.family.middle))
         assert both.plan(cover.family.situation(cover.family.centre)).caught
 

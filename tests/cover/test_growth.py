@@ -57,7 +57,9 @@ def test_every_point_is_found_in_the_cell_that_holds_it(cover):
     assert cover.find((cover.family.high + 1e-6).tolist()) is None
 
 
-@pytest.mark.parametrize("name", FAMILIES)
+@pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=pytest.mark.slow if n != "belt" else ()) for n in FAMILIES]
+)
 def test_interrupted_growth_goes_on_as_if_it_had_not_been(name, tmp_path):
     family = parametric_family(name).free(2)
     whole, parts = grown(Cover(family), 40), Cover(family)
@@ -148,13 +150,14 @@ class Impatient:
 
 
 def test_an_interruption_keeps_what_was_examined(tmp_path):
-    cover = Cover(parametric_family("belt-space").free(3))
+    cover = Cover(parametric_family("belt").free(3))
     with pytest.raises(KeyboardInterrupt):
         grow(cover, Budget(1.0), Impatient(2), keep=lambda done: done.save(tmp_path))
     kept = load_cover(tmp_path)
     assert told(kept) == told(cover) and kept.examined > 1
 
 
+@pytest.mark.slow
 def test_cells_are_cut_to_where_a_catch_nearly_holds(monkeypatch):
     """Their parts are examined once; without that every half on the way is."""
     few, many = [], []

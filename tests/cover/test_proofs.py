@@ -105,6 +105,7 @@ def test_limits_and_grasp_are_part_of_the_proof(cover):
     assert doubted(cover.family, stiff, centre, wide).reason == "grasp"
 
 
+@pytest.mark.slow
 def test_joint_ranges_are_part_of_the_proof(space):
     """The last joint's range ends where the movement does, so that deviations leave it."""
     cell, catch = held(space)[0]

@@ -84,7 +84,9 @@ def test_a_shard_that_cannot_be_read_is_made_again(small, tmp_path, here):
     assert here.made == [0, 1, 2, 0] and hashes(tmp_path) == before
 
 
-@pytest.mark.parametrize("spec", [SMALL, replace(SPACE, count=12)], ids=["plane", "space"])
+@pytest.mark.parametrize(
+    "spec", [SMALL, pytest.param(SPACE, marks=pytest.mark.slow)], ids=["plane", "space"]
+)
 def test_a_shard_that_was_stopped_goes_on_after_its_last_items(spec, tmp_path, monkeypatch):
     spec = replace(spec, shard_size=12, count=12)
     made, stops = [], [7, 9]

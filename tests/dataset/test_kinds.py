@@ -72,6 +72,9 @@ def test_records_come_back_as_they_were_made(made):
                 np.testing.assert_allclose(a, b, rtol=0.0, atol=1e-12 * (part == "hand"))
 
 
+@pytest.mark.parametrize(
+    "made", ["records", "chains", pytest.param("space", marks=pytest.mark.slow)], indirect=True
+)
 def test_catches_hold_after_reading(made):
     caught = 0
     for record in made:
@@ -134,6 +137,7 @@ def test_parameters_of_one_structure_have_one_length(space):
     assert all(structure.startswith("space") for structure in lengths)
 
 
+@pytest.mark.slow
 def test_the_same_bytes_on_any_number_of_workers(space, tmp_path):
     generate(replace(SPACE, count=8), tmp_path, workers=2)
     shards = sorted((tmp_path / "shards").iterdir())

@@ -188,7 +188,7 @@ def compare(seed, count):
 
 
 def test_verification_and_referee_agree():
-    answers = compare(31, 160)
+    answers = compare(31, 90)
     for which in ("low", "high", "rate", "bend", "hand", "grasp", "room", "horizon"):
         assert answers[which, True] > 0, which
         assert answers[which, False] > 0, which

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from gcm_learn import seeding
 from gcm_learn.arms import forward_in_space
@@ -55,6 +56,7 @@ def test_goals_are_interceptions_in_time():
     assert (needed <= time).all()
 
 
+@pytest.mark.slow
 @needs_ompl
 def test_it_goes_round_a_post():
     situation = scene(ball(hand_of(GOAL)), POST)
@@ -63,6 +65,7 @@ def test_it_goes_round_a_post():
     assert judge(situation, plan) == []
 
 
+@pytest.mark.slow
 @needs_ompl
 def test_budgets_of_the_examples():
     kept = [s for s in read_situations(EXAMPLES) if s.arm.max_joint_acceleration is None][:12]

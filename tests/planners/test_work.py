@@ -54,9 +54,7 @@ def test_the_search_ends_and_says_why(situation):
 
 
 @pytest.mark.parametrize("planner", ["marching", "straight-wait"])
-@pytest.mark.parametrize(
-    "family", ["gate", pytest.param("falling-space", marks=pytest.mark.slow)]
-)
+@pytest.mark.parametrize("family", ["gate", pytest.param("falling-space", marks=pytest.mark.slow)])
 def test_other_planners_end_too(family, planner):
     assert solve(needle_in_the_way(family, 7), planner).status in ("caught", "unreachable")
 

@@ -15,7 +15,9 @@ from gcm_learn.policies import export_minari  # noqa: E402
 SAMPLES = {"CatchArm": "sample", "CatchArm3D": "sample-space"}
 
 
-@pytest.fixture(scope="module", params=SAMPLES)
+@pytest.fixture(
+    scope="module", params=["CatchArm", pytest.param("CatchArm3D", marks=pytest.mark.slow)]
+)
 def name(request):
     """Return the name of an environment."""
     return request.param

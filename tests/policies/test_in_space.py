@@ -20,6 +20,7 @@ from tests.execution.loop.test_closed_loop import Watched
 from tests.policies.conftest import leaning_in_space, straight_in_space
 from tests.refusals import refusal
 
+pytestmark = pytest.mark.slow
 CONFIGS = Path(__file__).parents[2] / "experiments" / "04_policies"
 FAMILY = "crossing-swarm-space"
 
@@ -313,7 +314,6 @@ def test_situations_that_another_planner_catches_are_chosen(tmp_path):
     assert all(solve(situation, "straight").caught for situation in easy.situations)
 
 
-@pytest.mark.slow
 def test_catches_out_of_memory_are_shown(monkeypatch):
     from gcm_learn.policies import situations
     from gcm_learn.policies.plan import Share

@@ -104,6 +104,7 @@ def test_a_cluster_makes_the_same_encoder(small_folder, small, scheduler, tmp_pa
     assert len(kinds) == 8
 
 
+@pytest.mark.slow
 def test_a_training_that_a_cluster_left_goes_on_here(small_folder, small, scheduler, tmp_path):
     """Labels are kept with the checkpoint, whoever made them."""
     config, effort = recall.EncoderConfig(dim=4), recall.Effort(turns=4)

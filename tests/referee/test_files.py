@@ -206,7 +206,7 @@ def test_no_answer_stops_the_referee(case):
     """Any value at any place is judged, and changes of anything but words are found."""
     situation, solution = MADE[case]()
     draw = random.Random(7)
-    for path in draw.sample(every := list(places(solution)), min(30, len(every))):
+    for path in draw.sample(every := list(places(solution)), min(12, len(every))):
         lie = copy.deepcopy(solution)
         where = lie
         for key in path[:-1]:
@@ -225,7 +225,7 @@ def test_no_answer_stops_the_referee(case):
 def test_no_situation_stops_the_referee_but_with_a_line(case):
     situation, solution = MADE[case]()
     draw = random.Random(8)
-    for path in draw.sample(every := list(places(situation)), min(30, len(every))):
+    for path in draw.sample(every := list(places(situation)), min(12, len(every))):
         for odd in ODD:
             lie = copy.deepcopy(situation)
             where = lie

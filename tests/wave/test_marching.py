@@ -111,8 +111,8 @@ def shortest_ways(setting, blocked):
     [
         ((1.2, -0.5), (0.3, 0.6), 0.05),
         ((0.3, 1.3), (1.2, 0.3), 0.2),
-        ((0.3, 1.3), (1.0, -0.3), 0.1),
-        ((-1.3, 0.3), (1.0, 0.3), 0.1),
+        pytest.param((0.3, 1.3), (1.0, -0.3), 0.1, marks=pytest.mark.slow),
+        pytest.param((-1.3, 0.3), (1.0, 0.3), 0.1, marks=pytest.mark.slow),
     ],
 )
 def test_round_a_static_wall(hand, place, radius):

@@ -15,6 +15,7 @@ from gcm_learn.scene import pack, poses_at
 from gcm_learn.scene.bodies import LIMB, PART, REACH
 from tests.execution.conftest import begun
 
+pytestmark = pytest.mark.slow
 SETTINGS = SpatialSettings(fan=True, slots=2)
 
 

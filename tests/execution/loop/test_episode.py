@@ -107,6 +107,7 @@ def test_a_world_holds_the_scenes_that_it_was_made_of(scenes):
         assert scene.bodies.angle_step == packed.bodies.angle_step
 
 
+@pytest.mark.slow
 def test_catches_of_planners_are_caught_in_the_arena(arms):
     """When the plan does, or in the step after; with limits of acceleration too."""
     planner = get_planner("search")
