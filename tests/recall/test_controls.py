@@ -36,7 +36,7 @@ def test_the_first_choice_stands_alone(drawn):
 def test_recall_and_its_controls_may_check_equally_many(drawn):
     for name in ("recall", "recall-raw", "recall-random"):
         planner = get_planner(name)
-        found = [planner.recollect(situation) for situation in drawn]
+        found = [planner.recollect(situation) for situation in drawn[:18]]
         checked = np.array([f.checked for f in found])
         assert checked.max() == CHECKS
         assert any(f.plan.caught and f.checked > 1 for f in found)

@@ -225,7 +225,7 @@ def test_no_answer_stops_the_referee(case):
 def test_no_situation_stops_the_referee_but_with_a_line(case):
     situation, solution = MADE[case]()
     draw = random.Random(8)
-    for path in draw.sample(every := list(places(situation)), min(12, len(every))):
+    for path in draw.sample(every := list(places(situation)), min(6, len(every))):
         for odd in ODD:
             lie = copy.deepcopy(situation)
             where = lie
