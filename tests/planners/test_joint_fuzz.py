@@ -33,18 +33,28 @@ from tests.situation.scenes import MOVING, PLANAR, SOLID as IN_PLANE
 from tests.situation.test_fuzz_reader import paths, spoiled_objects
 
 QUICK = ["search", "straight", "straight-wait"]
-planners = st.sampled_from(QUICK)
+RECALLING = ["recall", "hybrid"]
+planners, every = st.sampled_from(QUICK), st.sampled_from([*QUICK, *RECALLING])
 
 
-@pytest.fixture(scope="module", autouse=True)
-def _compiled():
+def compile_for(names):
     """Compile everything before the clock runs."""
     for smooth in (True, False):
         scene = copy.deepcopy(MOVING)
         if not smooth:
             del scene["arm"]["max_joint_acceleration"], scene["arm"]["joint_rates"]
-        for planner in QUICK:
+        for planner in names:
             solve(situation_from_json(scene), planner)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _compiled():
+    compile_for(QUICK)
+
+
+@pytest.fixture(scope="module")
+def _recalling():
+    compile_for(RECALLING)
 
 
 @settings(max_examples=20)
@@ -106,15 +116,15 @@ def test_wild_situations_get_an_answer(situation, planner):
 
 @pytest.mark.slow
 @settings(max_examples=1000)
-@given(wild_situations(), planners)
-def test_many_wild_situations_get_an_answer(situation, planner):
+@given(wild_situations(), every)
+def test_many_wild_situations_get_an_answer(_recalling, situation, planner):
     answered(situation, planner)
 
 
 @pytest.mark.slow
 @settings(max_examples=1000)
-@given(strategies.spatial_situations(), planners)
-def test_many_valid_situations_get_an_answer_that_holds(situation, planner):
+@given(strategies.spatial_situations(), every)
+def test_many_valid_situations_get_an_answer_that_holds(_recalling, situation, planner):
     plan = answered(situation, planner)
     assert not plan.caught or judge(situation, plan) == []
 

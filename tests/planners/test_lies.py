@@ -15,8 +15,9 @@ from gcm_learn import solve
 from gcm_learn.cli import main
 from gcm_learn.evaluation import Condition, ask
 from gcm_learn.families import PAPER_SCENES, draw, thrown_scene
-from gcm_learn.motion import Movement
+from gcm_learn.motion import Failure, Movement
 from gcm_learn.planners import Plan, get_planner, plan_to_json
+from gcm_learn.planners.outside import broken_promise
 from gcm_learn.situation import situation_from_json, situation_to_json
 from tests.chains import drawn
 
@@ -237,13 +238,25 @@ def planner_of(lie, plan):
     return Lying()
 
 
-@pytest.mark.parametrize("lie", LIES.values(), ids=LIES)
+SAID = {
+    "too fast": "max_",
+    "catch time earlier than the end": "end at the catch",
+    "catch time later than the end": "end at the catch",
+    "no target of this name": "'nobody', which is no target",
+    "starts elsewhere": Failure.WRONG_START.value,
+    "ends before the catch": "misses the target",
+    "another arm": "another arm",
+}
+
+
+@pytest.mark.parametrize("lie", LIES)
 def test_no_lie_comes_through(case, lie):
     situation, plan = case
     before = situation_to_json(situation)
-    answer = solve(situation, planner_of(lie, plan))
+    answer = solve(situation, planner_of(LIES[lie], plan))
     assert answer.status in ("broken", "error"), answer.message
     assert answer.message.startswith("the planner") and "\n" not in answer.message
+    assert SAID.get(lie, "") in answer.message
     assert answer.trajectory is answer.catch_time is answer.catch_body is None
     record = json.loads(json.dumps(plan_to_json(answer, situation), allow_nan=False))
     assert record["status"] == "unreachable" and "trajectory" not in record
@@ -269,6 +282,25 @@ def test_a_movement_through_an_obstacle_is_broken():
     through = Movement.of_hand(situation.arm, np.linspace(0.0, plan.catch_time, 60), hand)
     answer = solve(situation, lambda s: replace(plan, trajectory=through))
     assert answer.status == "broken" and "touched" in answer.message
+
+
+def test_a_touch_in_space_is_seen():
+    situation, plan = thrown_scene(), solve(thrown_scene(), "search")
+    midst = tuple(plan.trajectory.hand_at(0.5 * plan.catch_time))
+    post = situation.obstacles[0]
+    there = replace(post, motion=replace(post.motion, position=midst, velocity=(0.0, 0.0, 0.0)))
+    bodies = tuple(there if body is post else body for body in situation.bodies)
+    assert "touched" in broken_promise(replace(situation, bodies=bodies), plan)
+
+
+def test_limits_of_joints_and_kinds_of_arms_are_looked_at():
+    (flat, planner), (deep, other) = CASES["planar"](), CASES["spatial"]()
+    hand, joints = solve(flat, planner), solve(deep, other)
+    slow = replace(flat.arm, max_joint_speed=(0.01, 0.01))
+    assert "joint" in broken_promise(replace(flat, arm=slow), moved(hand, arm=slow))
+    assert "other kind" in broken_promise(flat, joints)
+    assert "other kind" in broken_promise(deep, hand)
+    assert broken_promise(flat, replace(hand, status="unreachable", trajectory=None)) is None
 
 
 def test_one_catch_of_two_that_are_wanted_is_broken():

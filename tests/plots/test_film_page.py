@@ -114,12 +114,16 @@ def test_a_plan_without_a_catch_shows_an_arm_at_rest(case):
     assert hand["centre"][0] == hand["centre"][-1]
 
 
+CHARTED = pytest.mark.slow  # compiles a march for spatial arms
+
+
 @pytest.fixture(scope="module")
 def charted():
     situation = thrown_scene()
     return situation, solve(situation, "marching")
 
 
+@CHARTED
 def test_effective_obstacles_grow_where_the_front_froze(charted):
     situation, plan = charted
     hands = page_data(situation, plan)["hands"]
@@ -139,6 +143,7 @@ def test_effective_obstacles_grow_where_the_front_froze(charted):
     )
 
 
+@CHARTED
 def test_in_hand_space_the_arm_is_a_point_among_targets(charted, case):
     solids = page_data(*charted)["solids"]
     targets = {body.name for body in charted[0].targets}
@@ -146,6 +151,7 @@ def test_in_hand_space_the_arm_is_a_point_among_targets(charted, case):
     assert page_data(*case)["hands"] is None  # without a map
 
 
+@CHARTED
 def test_hand_space_can_be_switched_on_where_there_is_a_map(charted, case, tmp_path):
     pytest.importorskip("plotly")
     for (situation, plan), there in ((charted, True), (case, False)):

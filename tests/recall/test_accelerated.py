@@ -1,23 +1,17 @@
 """Recall under limits of acceleration: catches keep their timing, and are retimed where needed."""
 
-import copy
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
 
 from gcm_learn import get_planner, solve
 from gcm_learn.recall import RecallPlanner, waypoints_of
 from gcm_learn.recall.joint_moves import EARLIEST, TIME
-from gcm_learn.situation import canonical, situation_from_json
-from tests import strategies
+from gcm_learn.situation import canonical
 from tests.judging import judge
-from tests.planners.test_fuzz import answered
-from tests.planners.test_joint_fuzz import wild_situations
 from tests.recall.conftest import memory_in_space
 from tests.recall.worlds import LIMITED, catches_of, memory_of
-from tests.situation.scenes import MOVING
 from tests.worlds import solid_ball
 
 pytestmark = pytest.mark.slow  # compiles recall for spatial arms under such limits
@@ -117,32 +111,3 @@ def test_hybrid_keeps_deadlines_and_bounds():
             if plan.caught:
                 assert judge(situation, plan) == []
     assert sooner > 0 and bounded > 0
-
-
-@pytest.fixture(scope="module")
-def _compiled():
-    for planner in ("recall", "hybrid"):
-        solve(situation_from_json(copy.deepcopy(MOVING)), planner)
-
-
-@pytest.mark.parametrize("planner", ["recall", "hybrid"])
-@settings(max_examples=15)
-@given(situation=strategies.spatial_situations())
-def test_valid_situations_get_an_answer_that_holds(_compiled, planner, situation):
-    assume(situation.arm.max_joint_acceleration is not None)
-    plan = answered(situation, planner)
-    assert not plan.caught or judge(situation, plan) == []
-
-
-@settings(max_examples=15)
-@given(situation=wild_situations())
-def test_wild_situations_get_an_answer(_compiled, situation):
-    assume(situation.arm.max_joint_acceleration is not None)
-    answered(situation, "recall")
-
-
-@settings(max_examples=1000)
-@given(situation=wild_situations() | strategies.spatial_situations())
-def test_many_situations_get_an_answer(_compiled, situation):
-    assume(situation.arm.max_joint_acceleration is not None)
-    answered(situation, "recall")

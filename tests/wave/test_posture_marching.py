@@ -20,6 +20,7 @@ from gcm_learn.wave.causal import march_in_space as march
 from tests.charts.steps import steps_of
 from tests.spatial import EXAMPLES
 
+pytestmark = pytest.mark.slow  # compiles a march for spatial arms
 SITUATIONS = read_situations(EXAMPLES)
 N = 16
 FAR = SolidQuadratic((50.0, 50.0, 50.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
