@@ -26,7 +26,7 @@ Report = TypeVar("Report", pytest.TestReport, pytest.CollectReport)
 # Compilation makes the first example slow, so there is no deadline. Continuous integration
 # draws the same examples every time, and fewer: a red run must be about the change.
 settings.register_profile("desk", deadline=None)
-settings.register_profile("ci", deadline=None, derandomize=True, max_examples=25)
+settings.register_profile("ci", deadline=None, derandomize=True, max_examples=15)
 settings.load_profile("ci" if CI else "desk")
 
 compiled.on_compile.clear()  # what tests read of standard error does not depend on the cache

@@ -12,14 +12,19 @@ NEEDS = {"st-rrt-star": "ompl"}  # planner: library
 INSTALLED = [name for name in planner_names() if find_spec(NEEDS.get(name, "numpy")) is not None]
 
 
+def needed(name):
+    """Skip a test of a planner whose library is missing."""
+    return pytest.mark.skipif(
+        name not in INSTALLED, reason=f"{name} needs {NEEDS[name]} (extra `peers`)"
+    )
+
+
 def planner_params(names=None):
-    """Planners, or all, as parameters; where a library is missing they are skipped, and say so."""
+    """Planners, or all, as parameters; those of other libraries are slow, or skipped if missing."""
     return [
         pytest.param(
             name,
-            marks=pytest.mark.skipif(
-                name not in INSTALLED, reason=f"{name} needs {NEEDS.get(name)} (extra `peers`)"
-            ),
+            marks=[needed(name), pytest.mark.slow] if name in NEEDS else (),
         )
         for name in names or planner_names()
     ]

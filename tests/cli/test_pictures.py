@@ -48,8 +48,8 @@ def test_films_are_refused_before_planning(options, said, scene_file, scene, pla
 @pytest.mark.parametrize(
     ("name", "begins", "file", "index"),
     [
-        ("a.gif", b"GIF8", EXAMPLES, 3),
-        ("a.html", b"<!doctype html>", EXAMPLES, 3),
+        pytest.param("a.gif", b"GIF8", EXAMPLES, 3, marks=pytest.mark.slow),
+        pytest.param("a.html", b"<!doctype html>", EXAMPLES, 3, marks=pytest.mark.slow),
         pytest.param("a.gif", b"GIF8", PANDA, 0, marks=pytest.mark.slow),
         ("a.html", b"<!doctype html>", PANDA, 0),
     ],

@@ -38,7 +38,7 @@ SPACE = DatasetSpec(
 )  # fmt: skip
 SLOW_BELTS = {"parts": [2, 3], "posts": [0, 1], "directed": 0.0, "pace": [0.05, 0.2]}
 CHAINS = DatasetSpec(
-    "chains", seed=7, count=8, planners=("straight", "search"), map="marching", n=16, shard_size=4,
+    "chains", seed=7, count=8, planners=("straight", "search"), map="none", shard_size=4,
     families=(
         FamilyShare("conveyor-chain", 2.0, SLOW_BELTS), FamilyShare("falling-chain"),
         FamilyShare("other-arm-chain"),

@@ -287,7 +287,11 @@ def test_a_wave_that_is_to_wait_is_refused():
 
 @pytest.mark.parametrize(
     ("situation", "wait", "engine"),
-    [(gate_scene(), False, "wave"), (gate_scene(), True, "layered"), (LINKS, False, "marching")],
+    [
+        (gate_scene(), False, "wave"),
+        (gate_scene(), True, "layered"),
+        pytest.param(LINKS, False, "marching", marks=pytest.mark.slow),
+    ],
 )
 def test_every_arm_has_a_map_by_default(situation, wait, engine):
     assert build_map(situation, wait=wait).engine == engine

@@ -15,6 +15,8 @@ from gcm_learn.situation import situation_from_json
 from gcm_learn.wave import MarchingParams
 from tests.chains import COUNT, drawn
 
+pytestmark = pytest.mark.slow  # compiles a march for chains
+
 
 @pytest.fixture(scope="module")
 def caught():

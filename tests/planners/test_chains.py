@@ -16,6 +16,10 @@ from tests.geometry import arm_of, hand_of
 
 PLANNERS = {"marching": 4, "search": 9, "straight": 2, "straight-wait": 3}
 """Planners, and how many of a set they catch at least."""
+ASKED = pytest.mark.parametrize(
+    "planner",
+    [pytest.param(name, marks=pytest.mark.slow if name == "marching" else ()) for name in PLANNERS],
+)
 
 
 def answered(situation, planner):
@@ -25,7 +29,7 @@ def answered(situation, planner):
     return answer | {"planning_ms": 0.0}
 
 
-@pytest.mark.parametrize("planner", PLANNERS)
+@ASKED
 @pytest.mark.parametrize("name", SETS)
 def test_the_first_of_a_set(name, planner):
     caught = 0
@@ -38,7 +42,7 @@ def test_the_first_of_a_set(name, planner):
     assert caught >= PLANNERS[planner]
 
 
-@pytest.mark.parametrize("planner", PLANNERS)
+@ASKED
 @pytest.mark.parametrize("name", SETS)
 def test_the_same_question_has_the_same_answer(name, planner):
     for k in range(3):
@@ -60,7 +64,7 @@ def with_another_target(situation):
 
 
 @pytest.mark.parametrize("catch", ["all", "most"])
-@pytest.mark.parametrize("planner", PLANNERS)
+@ASKED
 def test_targets_are_caught_one_after_the_other(planner, catch):
     both = 0
     for k in range(COUNT):

@@ -35,7 +35,8 @@ from tests.judging import judge
 LONGEST = {False: 60.0, True: 20.0}
 """Processor time for one plan, in the plane and in space [s]; usual ones take milliseconds."""
 SLOW = {"layered", "oracle", "st-rrt-star"}
-planners = st.sampled_from([name for name in INSTALLED if name != "oracle"])
+planners = [name for name in INSTALLED if name not in ("oracle", "st-rrt-star")]
+every = st.sampled_from([name for name in INSTALLED if name != "oracle"])
 quick = st.sampled_from([name for name in INSTALLED if name not in SLOW])
 
 
@@ -65,12 +66,12 @@ def _compiled():
     rest = ((0.0, 0.0), (0.0, 0.0))
     goal = Body("target", "goal", Disc(0.1), PlanarQuadratic((-1.0, 0.5), *rest))
     post = Body("obstacle", "post", Disc(0.3), PlanarQuadratic((0.3, 1.2), *rest))
-    for planner in INSTALLED:
+    for planner in planners:
         solve(Situation("warm", 2.0, Arm((1.2, 0.5), 3.0), (goal, post)), planner)
 
 
 @settings(max_examples=25)
-@given(strategies.situations(), planners)
+@given(strategies.situations(), st.sampled_from(planners))
 def test_valid_situations_get_an_answer_that_holds(situation, planner):
     plan = answered(situation, planner)
     if plan.caught:
@@ -188,14 +189,14 @@ def test_wild_situations_get_an_answer(situation, planner):
 
 @pytest.mark.slow
 @settings(max_examples=500)
-@given(wild_situations(), planners)
+@given(wild_situations(), every)
 def test_many_wild_situations_get_an_answer(situation, planner):
     answered(situation, planner)
 
 
 @pytest.mark.slow
 @settings(max_examples=500)
-@given(strategies.situations(), planners)
+@given(strategies.situations(), every)
 def test_many_valid_situations_get_an_answer_that_holds(situation, planner):
     plan = answered(situation, planner)
     if plan.caught:

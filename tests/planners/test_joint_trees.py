@@ -16,6 +16,7 @@ from tests.planners.test_joint_straight import ARM, GOAL, RADIUS, ball, flying, 
 from tests.planners.test_st_rrt_star import needs_ompl
 from tests.spatial import EXAMPLES
 
+pytestmark = pytest.mark.slow
 POST = flying("obstacle", Sphere(0.2), hand_of((np.array(ARM.joints) + GOAL) / 2.0))
 
 
@@ -56,7 +57,6 @@ def test_goals_are_interceptions_in_time():
     assert (needed <= time).all()
 
 
-@pytest.mark.slow
 @needs_ompl
 def test_it_goes_round_a_post():
     situation = scene(ball(hand_of(GOAL)), POST)
@@ -65,7 +65,6 @@ def test_it_goes_round_a_post():
     assert judge(situation, plan) == []
 
 
-@pytest.mark.slow
 @needs_ompl
 def test_budgets_of_the_examples():
     kept = [s for s in read_situations(EXAMPLES) if s.arm.max_joint_acceleration is None][:12]

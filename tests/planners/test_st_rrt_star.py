@@ -27,14 +27,12 @@ from gcm_learn.planners.oracle.bounds import bounds
 from gcm_learn.referee import judge as referee_judge
 from gcm_learn.situation import Body, Disc, Situation, read_situations, situation_from_json
 from tests import chains
-from tests.extras import INSTALLED
+from tests.extras import needed
 from tests.judging import judge
 from tests.planners.test_baselines import FREE, GATE, OPENS, TRAP, body, goal, scene
 from tests.spatial import EXAMPLES
 
-needs_ompl = pytest.mark.skipif(
-    "st-rrt-star" not in INSTALLED, reason="st-rrt-star needs ompl (extra `peers`)"
-)
+needs_ompl = needed("st-rrt-star")
 SECOND = Body("target", "second", Disc(0.05), FREE.bodies[0].motion)
 
 
@@ -53,6 +51,7 @@ def asked(situation):
     return task.scene, task.rules, task.hole
 
 
+@pytest.mark.slow
 def test_a_leg_keeps_the_speed_limit_and_goes_forward_in_time():
     empty = scene(goal(1.5, 0.9))
     assert ask(empty, 1.0, 0.0, 0.2, 1.33, 0.0, 0.3001)
@@ -61,6 +60,7 @@ def test_a_leg_keeps_the_speed_limit_and_goes_forward_in_time():
     assert not ask(empty, 1.0, 0.0, 0.3, 1.0, 0.0, 0.3)
 
 
+@pytest.mark.slow
 def test_a_leg_stays_in_the_ring():
     arm = Arm((1.0, 0.0), 3.0, upper_arm=1.5)
     ring = Situation("ring", 9.0, arm, (goal(1.5, 0.9),))
@@ -70,6 +70,7 @@ def test_a_leg_stays_in_the_ring():
     assert not ask(ring, 0.4, -0.6, 0.0, 0.4, 0.6, 1.0)  # through the hole of radius 0.5
 
 
+@pytest.mark.slow
 def test_a_leg_between_whose_ends_an_obstacle_passes_does_not_hold():
     """The limb lies along y = 0 from (1.2, 0) on when the bullet is there, for a moment."""
     crossed = scene(goal(1.5, 0.9), BULLET, hand=(1.99, 0.0))
@@ -78,6 +79,7 @@ def test_a_leg_between_whose_ends_an_obstacle_passes_does_not_hold():
     assert ask(crossed, 1.99, 0.0, 0.55, 1.99, 0.05, 1.0)
 
 
+@pytest.mark.slow
 def test_a_leg_keeps_jointtask_of():
     """Half way out along a short arc the shoulder turns by the angle, so the limit is its rate."""
     angle = 0.02
@@ -88,6 +90,7 @@ def test_a_leg_keeps_jointtask_of():
         assert ask(turning, *ends[0], 0.0, *ends[1], angle) == holds
 
 
+@pytest.mark.slow
 def test_goals_are_interceptions_in_time():
     mover = body("target", Disc(0.05), (1.5, -0.9), (-0.5, 1.5))
     situation = scene(mover, body("obstacle", Disc(0.3), (1.7, 0.0)), hand=(0.9, 0.3))
@@ -102,6 +105,7 @@ def test_goals_are_interceptions_in_time():
     assert (np.hypot(*(hand - (1.7, 0.0)).T) > 0.3).all()  # the hand at least is clear of it
 
 
+@pytest.mark.slow
 def test_no_goal_is_drawn_where_there_is_none():
     chances = seeding.rng(8).random((64, 4))
     too_early = draw_goal(*asked(scene(goal(0.7, 1.2))), 0.0, 0.1, chances)
@@ -111,6 +115,7 @@ def test_no_goal_is_drawn_where_there_is_none():
 # --- answers ---------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @needs_ompl
 def test_it_waits_for_a_gate():
     plan = STRRTStarPlanner().plan(GATE)
@@ -118,6 +123,7 @@ def test_it_waits_for_a_gate():
     assert OPENS <= plan.catch_time <= 1.1 * OPENS
 
 
+@pytest.mark.slow
 @needs_ompl
 def test_it_goes_round_a_bar_that_holds_a_field_up():
     plan = STRRTStarPlanner().plan(TRAP)
@@ -125,6 +131,7 @@ def test_it_goes_round_a_bar_that_holds_a_field_up():
     assert plan.trajectory.length > 2.8  # the straight way is 2.4 less radius and grasp
 
 
+@pytest.mark.slow
 @needs_ompl
 @pytest.mark.parametrize(
     "situation",
@@ -153,6 +160,7 @@ def test_no_catch_comes_before_the_oracles_lower_bound():
     assert caught > 10
 
 
+@pytest.mark.slow
 @needs_ompl
 def test_the_same_seed_gives_the_same_answer_and_another_another():
     first, again, other = (STRRTStarPlanner(seed=seed).plan(GATE) for seed in (3, 3, 4))
@@ -160,6 +168,7 @@ def test_the_same_seed_gives_the_same_answer_and_another_another():
     assert first.catch_time == again.catch_time != other.catch_time
 
 
+@pytest.mark.slow
 @needs_ompl
 def test_more_time_is_never_worse():
     caught = 0
@@ -173,12 +182,14 @@ def test_more_time_is_never_worse():
     assert caught
 
 
+@pytest.mark.slow
 @needs_ompl
 def test_one_budget_is_a_run_of_its_own():
     plan = STRRTStarPlanner(budget_ms=200.0).plan(FREE)
     assert plan.caught and plan.planner == "st-rrt-star"
 
 
+@pytest.mark.slow
 @needs_ompl
 def test_it_ends_when_nothing_better_is_to_be_expected():
     from gcm_learn.planners.baselines import st_rrt_star_search as library
@@ -193,6 +204,7 @@ def test_it_ends_when_nothing_better_is_to_be_expected():
     assert free.best <= 1.001 * StraightPlanner().plan(FREE).catch_time
 
 
+@pytest.mark.slow
 @needs_ompl
 def test_what_was_found_before_a_crash_counts(monkeypatch):
     from gcm_learn.planners.baselines import st_rrt_star_search as library
@@ -276,6 +288,7 @@ def chain_task(k, postures=()):
     return problem, near(task, postures) if postures else task
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("k", [0, 1, 3])
 def test_goals_of_chains_catch_in_time(k):
     problem, task = chain_task(k)
@@ -292,6 +305,7 @@ def test_goals_of_chains_catch_in_time(k):
     assert len(drawn) > 50 and np.ptp(drawn) > 0.3 * problem.situation.horizon
 
 
+@pytest.mark.slow
 def test_a_quarter_of_goals_of_chains_come_from_given_postures():
     problem, free = chain_task(0)
     chances = seeding.rng(4).random((400, 16, free.draws))
@@ -306,6 +320,7 @@ def test_a_quarter_of_goals_of_chains_come_from_given_postures():
     assert near_it[1] > 5 * max(near_it[0], 1)
 
 
+@pytest.mark.slow
 @needs_ompl
 @pytest.mark.parametrize("situation", [FREE, read_situations(EXAMPLES)[0]])
 def test_other_arms_refuse_given_postures(situation):

@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+import pytest
 
 from gcm_learn.families import PAPER_SCENES, draw
 from gcm_learn.planners import Plan, solve
@@ -66,6 +67,12 @@ FAR = {
     "spatial": lambda: from_afar(spatial), "chain": lambda: from_afar(chain),
 }  # fmt: skip
 AMONG_SOLIDS = {name: CASES[name] for name in ("spatial", "chain")}
+
+
+def params(cases: dict[str, Callable[[], Case]]) -> list[Any]:
+    """Return the names of cases; spatial arms, drawn as chains are, are for the slow tests."""
+    slow = pytest.mark.slow
+    return [pytest.param(name, marks=slow if name == "spatial" else ()) for name in cases]
 
 
 def plan_of(situation: Any, trajectory: Any = None) -> Plan:

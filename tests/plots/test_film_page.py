@@ -16,10 +16,10 @@ from gcm_learn.plots import write_film_page
 from gcm_learn.plots.figures.hand_ball import frozen_cells, places_of
 from gcm_learn.plots.reports.film_page import MISSED, page_data
 from gcm_learn.rendering import body_poses
-from tests.plots.cases import AMONG_SOLIDS, FAR, plan_of
+from tests.plots.cases import AMONG_SOLIDS, FAR, params, plan_of
 
 
-@pytest.fixture(scope="module", params=AMONG_SOLIDS)
+@pytest.fixture(scope="module", params=params(AMONG_SOLIDS))
 def case(request):
     return AMONG_SOLIDS[request.param]()
 

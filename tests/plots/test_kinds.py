@@ -15,7 +15,7 @@ from gcm_learn.plots.figures.film import ROUND
 from gcm_learn.plots.figures.kinds import DRAWN, pictures_of
 from gcm_learn.plots.figures.scenery import Scenery
 from gcm_learn.plots.reports.dataset import draw_record
-from tests.plots.cases import AMONG_SOLIDS, CASES, FAR, plan_of
+from tests.plots.cases import AMONG_SOLIDS, CASES, FAR, params, plan_of
 from tests.rendering.test_rendering import near
 
 TITLES = {
@@ -27,12 +27,12 @@ KEY = ["arm", "target", "obstacle", "hand's path", "target's path"]
 KEYS = {"planar": [], "spatial": KEY, "chain": ["arm", "target", "approach", *KEY[2:]]}
 
 
-@pytest.fixture(scope="module", params=CASES)
+@pytest.fixture(scope="module", params=params(CASES))
 def case(request):
     return request.param, *CASES[request.param]()
 
 
-@pytest.fixture(scope="module", params=AMONG_SOLIDS)
+@pytest.fixture(scope="module", params=params(AMONG_SOLIDS))
 def solid_case(request):
     return AMONG_SOLIDS[request.param]()
 
@@ -92,7 +92,7 @@ def test_films_move_and_look_around_a_catch_where_they_can(case, tmp_path, caugh
     assert path.stat().st_size < 900_000
 
 
-@pytest.mark.parametrize("name", FAR)
+@pytest.mark.parametrize("name", params(FAR))
 def test_films_show_arm_and_target_from_the_start_until_just_before_the_catch(name, tmp_path):
     situation, plan = FAR[name]()
     animate(situation, plan, tmp_path / "film.gif", frames=5)

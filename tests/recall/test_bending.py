@@ -79,6 +79,7 @@ def test_a_detour_that_would_be_too_long_is_cut():
     assert 0.0 <= times(short, far, BENT) <= short.horizon
 
 
+@pytest.mark.slow  # compiles parts of recall alone
 def test_the_look_leaves_no_instant_out(traces):
     """It skips instants at which a hand cannot have come near; it finds what all would."""
     knots, goals = stacked(traces)
@@ -160,6 +161,7 @@ def test_every_memory_is_checked_once_however_much_it_is_bent(catches, traces):
     assert failed > 10
 
 
+@pytest.mark.slow
 def test_a_path_may_pass_nearer_than_it_is_meant_to(traces):
     """Room is asked for while a path is bent; what has none left in the end is checked as well."""
     knots, goals = stacked(traces)

@@ -83,6 +83,10 @@ def test_other_maps_and_encoders_are_refused_in_one_line(models):
         embed([])
     with pytest.raises(EncoderError, match="by their paths, not by maps"):
         embed(planar_map(random_planar(seeding.rng(1))), load_encoder("models/encoder"))
+
+
+@pytest.mark.slow  # compiles a march for chains
+def test_maps_of_other_arms_are_refused_in_one_line(models):
     space = families.draw("conveyor-chain", 1, 0)
     coarse = build_map(space, MarchingParams(n=16, margin=0.0))
     with pytest.raises(EncoderError, match="of planar arms, the map of chains"):

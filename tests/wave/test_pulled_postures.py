@@ -16,10 +16,11 @@ from tests.chains import SETS, drawn
 from tests.geometry import arm_of, least_at
 
 PARAMS = MarchingParams(n=16, margin=0.0, until="horizon")
+SLOW = pytest.mark.slow  # compiles a march for chains
 TOUCHING = 2e-6  # of what may be taken for a touch or for free, either way
 
 
-@pytest.fixture(scope="module", params=SETS)
+@pytest.fixture(scope="module", params=[pytest.param(name, marks=SLOW) for name in SETS])
 def marched(request):
     """A situation as JSON, the same read, and its map."""
     given = drawn(request.param, 2)
@@ -71,6 +72,7 @@ def test_every_step_is_free_and_ends_in_time(marched):
         assert min(least_at(given, arm, times, postures)) > -TOUCHING
 
 
+@SLOW
 def test_a_ball_at_rest_keeps_the_front_out():
     given = drawn("panda", 0)
     given = given | {"bodies": given["bodies"][:1]}
