@@ -239,7 +239,6 @@ def planner_of(lie, plan):
 
 
 SAID = {
-    "too fast": "max_",
     "catch time earlier than the end": "end at the catch",
     "catch time later than the end": "end at the catch",
     "no target of this name": "'nobody', which is no target",
@@ -298,6 +297,9 @@ def test_limits_of_joints_and_kinds_of_arms_are_looked_at():
     hand, joints = solve(flat, planner), solve(deep, other)
     slow = replace(flat.arm, max_joint_speed=(0.01, 0.01))
     assert "joint" in broken_promise(replace(flat, arm=slow), moved(hand, arm=slow))
+    assert "max_hand_speed" in broken_promise(flat, with_times(hand, lambda t: 0.5 * t))
+    hurried = with_times(joints, lambda t: np.r_[t[0], 0.02 * t[1:-1], t[-1]])
+    assert "max_joint_speed" in broken_promise(deep, hurried)
     assert "other kind" in broken_promise(flat, joints)
     assert "other kind" in broken_promise(deep, hand)
     assert broken_promise(flat, replace(hand, status="unreachable", trajectory=None)) is None
