@@ -12,18 +12,19 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 NOTEBOOKS = sorted((ROOT / "docs" / "notebooks").glob("*.py"))
-PICTURES = {"01": 1, "02": 1, "03": 0, "04": 1, "05": 1, "06": 1, "07": 1, "08": 1}
+PICTURES = {"01": 1, "02": 1, "03": 0, "04": 1, "05": 1, "06": 1, "07": 1, "08": 1, "09": 1}
 NEEDS = {
     "02": "pyarrow",
     "03": "pyarrow",
     "04": "stable_baselines3",
     "05": "gymnasium",
     "07": "mujoco",
+    "09": "sklearn",
 }
 FAST = {**os.environ, "GCM_LEARN_FAST": "1", "PYTHONPATH": str(ROOT)}
 
 
-def test_there_are_eight():
+def test_there_are_nine():
     assert [path.stem[:2] for path in NOTEBOOKS] == list(PICTURES)
 
 

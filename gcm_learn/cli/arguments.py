@@ -45,6 +45,7 @@ COMMANDS = {
     "inspect": Entry("inspect:Inspect", "data/mine", "what a dataset, a model or an arm holds"),
     "memory make": Entry("memory:Make", "data/mine --out models/recall", "remember its catches"),
     "memory embed": Entry("memory:Embed", "data/mine --out e.npz", "what an encoder makes of them"),
+    "cluster": Entry("cluster:Cluster", "data/mine --out clusters", "catches that are alike"),
     "train policy": Entry("train:Policy", "ppo.yml --out models/mine", "learn in the arena"),
     "train encoder": Entry("train:Encoder", "data/mine --out models/e", "learn to recall"),
     "compare": Entry("compare:Compare", "search,mine.py:Mine --on mine.jsonl", "all on the same"),

@@ -14,6 +14,13 @@ from gcm_learn.recall.adaptation import (
     adapt as adapt,
     transfer as transfer,
 )
+from gcm_learn.recall.clusters import (
+    ASKED as ASKED,
+    Clusters as Clusters,
+    CrossTries as CrossTries,
+    cluster as cluster,
+    cross_tries as cross_tries,
+)
 from gcm_learn.recall.embedding import (
     embed as embed,
     map_encoder as map_encoder,
@@ -58,10 +65,8 @@ from gcm_learn.recall.raw_features import Scale as Scale
 from gcm_learn.recall.store import Entry as Entry, Memory as Memory
 from gcm_learn.recall.waypoints import (
     Waypoints as Waypoints,
-    passing as passing,
     passing_of as passing_of,
     path_of as path_of,
-    ring_share as ring_share,
 )
 
 if TYPE_CHECKING:

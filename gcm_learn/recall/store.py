@@ -75,39 +75,6 @@ class Memory:
         self._words: list[str] = [""]
         self._searcher: Searcher | None = None
 
-    @classmethod
-    def of(
-        cls,
-        index: Index,
-        embeddings: np.ndarray,
-        knots: np.ndarray,
-        goals: np.ndarray,
-        *,
-        search: str = "auto",
-        kind: Kind = PLANAR,
-    ) -> Memory:
-        """Make a memory of catches whose embeddings are known; it keeps no situations.
-
-        Parameters
-        ----------
-        index : Index
-        embeddings : (n, dim) ndarray
-        knots, goals : (n, ...) ndarray
-            Columns of the catches' waypoints.
-        search, kind
-            As for `Memory`.
-        """
-        out, count = cls(index, search, kind), len(knots)
-        fresh = {
-            "embeddings": embeddings.astype(np.float32),
-            "traces": knots,
-            "goals": goals,
-            "labels": np.zeros((count, 2), np.int16),
-            "lengths": np.zeros(count, np.int32),
-        }
-        out._append(fresh, [b""] * count)
-        return out
-
     def __len__(self) -> int:
         return self._size
 

@@ -44,7 +44,7 @@ def test_an_answered_experiment_names_the_commit_of_its_code(words):
 
 
 def test_answered_experiments_keep_no_code():
-    assert len(ANSWERED) == 13
+    assert len(ANSWERED) == 14
     assert not [*runner.HERE.glob("answered/**/*.py")]
 
 
@@ -56,7 +56,7 @@ def test_every_folder_of_a_question_has_a_page_and_a_run():
 
 @pytest.mark.parametrize(
     ("name", "reason"),
-    [("05_recal", "did you mean '05_recall'?"), ("07_clusters/spce", "'07_clusters/space'?")],
+    [("05_recal", "did you mean '05_recall'?"), ("11_comparison/spce", "'11_comparison/space'?")],
 )
 def test_a_wrong_name_is_one_line_that_names_the_nearest(name, reason):
     with pytest.raises(SystemExit) as stopped:

@@ -39,6 +39,15 @@ def stacked(traces):
     return np.array([t.knots for t in traces]), np.array([t.goal for t in traces])
 
 
+def memory_by(index, embeddings, knots, goals, search="auto"):
+    """A memory of catches whose embeddings are known; it keeps no situations."""
+    memory, count = Memory(index, search), len(knots)
+    columns = {"embeddings": embeddings.astype(np.float32), "traces": knots, "goals": goals}
+    columns |= {"labels": np.zeros((count, 2), np.int16), "lengths": np.zeros(count, np.int32)}
+    memory._append(columns, [b""] * count)
+    return memory
+
+
 def memory_in_space(catches):
     """A memory of situations in space and their catches, filed by raw parameters."""
     situations = [situation for situation, _ in catches]

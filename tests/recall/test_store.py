@@ -11,6 +11,7 @@ from gcm_learn.recall import Memory, RandomIndex, RawIndex, files
 from gcm_learn.recall.index import PcaIndex
 from gcm_learn.recall.search import Searcher, top
 from gcm_learn.situation.canonical import canonical
+from tests.recall.conftest import memory_by
 from tests.refusals import refusal
 from tests.transforms import mirrored, turned
 
@@ -144,7 +145,7 @@ def test_a_million_entries(memory, search, tmp_path):
     embeddings[:, 0] = np.arange(count)
     knots = np.broadcast_to(memory.knots[:1], (count, *memory.knots.shape[1:]))
     goals = np.broadcast_to(memory.goals[:1], (count, 2))
-    many = Memory.of(index, embeddings, knots, goals, search=search)
+    many = memory_by(index, embeddings, knots, goals, search)
     many.save(tmp_path)
     loaded = Memory.load(tmp_path, many.index, search=search)
     query = np.eye(1, many.index.dim, dtype=np.float32)[0]

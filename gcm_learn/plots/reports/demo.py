@@ -12,15 +12,19 @@ import numpy as np
 from gcm_learn.families import (
     CAPTION_INSTANTS,
     PAPER_SCENES,
+    draw,
     gate_scene,
     random_planar,
     thrown_scene,
 )
+from gcm_learn.maps import build_map, static_twin
 from gcm_learn.planners import Plan, broken_promise, solve
 from gcm_learn.plots.figures import style
 from gcm_learn.plots.figures.film import FILM_DPI, FRAME_TIME, FRAMES, WIDTH, animate
+from gcm_learn.plots.figures.maps import plot_plan
 from gcm_learn.plots.figures.paper import FIGURES, draw_figure
 from gcm_learn.plots.figures.sheets import mapped
+from gcm_learn.plots.figures.workspace import draw_movement
 from gcm_learn.plots.reports.memory import write_memory_page
 from gcm_learn.plots.reports.page import (
     Picture,
@@ -35,6 +39,7 @@ from gcm_learn.plots.reports.page import (
 from gcm_learn.recall import has_memory, shipped_memory
 from gcm_learn.seeding import rng
 from gcm_learn.situation import AnySituation, Situation, write_situations
+from gcm_learn.wave import MarchingParams
 
 ENGINES = ("gcm", "marching")
 PLANNERS = (*ENGINES, "search", "straight")
@@ -42,6 +47,8 @@ SHOWN = tuple(name for name in FIGURES if not name.endswith(("-space", "-body"))
 OPENING = "fig3"  # the scene whose film opens the page
 SMALL = 320  # [CSS pixels] width of figures that are enlarged by a click
 MEMORIES = 400  # points on the page of the memory
+TWINNED = ("crossing-swarm", 9, 69)  # family, seed and number of a scene with a twin to look at
+COPIES, FRONT = 3, MarchingParams(margin=0.0)  # of each obstacle in the twin; of the maps
 WARM_UP = ("fig2", "fig5", "fig8")  # between them they use all compiled code
 
 INSTANTS = (
@@ -84,7 +91,7 @@ def build_demo(out: Path, seed: int, n_random: int, progress: Progress) -> Path:
     write_situations(out / "paper.jsonl", [*scenes.values()])
     plans = {name: _solved(scene, ENGINES) for name, scene in scenes.items()}
     opening = _film(out, scenes[OPENING], plans[OPENING]["gcm"])
-    sections = [_scenes(out, plans, progress), _beyond(out, progress)]
+    sections = [_scenes(out, plans, progress), _twins(out), _beyond(out, progress)]
     if n_random > 0:
         progress(f"Solving {n_random} random situations")
         sections.append(_random(seed, n_random))
@@ -127,6 +134,24 @@ def _row(name: str, plans: dict[str, Plan]) -> list[str]:
         number(plan.clearance, ".3f"),
         *(number(plans[engine].planning_ms, ".1f") for engine in ENGINES),
     ]
+
+
+def _twins(out: Path) -> Section:
+    """Draw a catch among bodies that move, and the same one in the resting twin; their maps."""
+    plan, scenes = twins()
+    figure, panels = style.panel_grid(4, 4, (3.1, 3.3))
+    for k, scene in enumerate(scenes):
+        draw_movement(panels[2 * k], scene, plan)
+        plot_plan(panels[2 * k + 1], scene, plan, build_map(scene, FRONT))
+    drawn = picture_of(figure, out / "twins.png", WORDS["captions"]["twins"])
+    return section(WORDS, "twins", pictures=[drawn])
+
+
+def twins() -> tuple[Plan, list[Any]]:
+    """Return a catch, the situation that it was planned for, and that one's static twin."""
+    scene: Any = draw(*TWINNED)
+    plan = solve(scene, "marching")
+    return plan, [scene, static_twin(scene, build_map(scene, FRONT), COPIES)]
 
 
 def _beyond(out: Path, progress: Progress) -> Section:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import base64
 import io
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -21,8 +21,9 @@ from gcm_learn.maps import CognitiveMap, build_map
 from gcm_learn.plots.figures import style
 from gcm_learn.plots.figures.maps import walls
 from gcm_learn.plots.figures.sheet import STRATA
+from gcm_learn.plots.reports.clusters import about_clusters
 from gcm_learn.plots.reports.page import fill
-from gcm_learn.recall import Memory, passing_of, path_of
+from gcm_learn.recall import Clusters, Memory, cluster, cross_tries, passing_of, path_of
 from gcm_learn.scene import entry_of, outline, pack_bodies, poses_at
 from gcm_learn.situation import PLANAR, Situation
 from gcm_learn.wave import MarchingParams
@@ -48,16 +49,9 @@ Values = dict[str, Any]
 
 
 def write_memory_page(
-    memory: Memory,
-    out: Path,
-    *,
-    count: int = SHOWN,
-    places: np.ndarray | None = None,
-    groups: Mapping[str, Sequence[str]] | None = None,
-    title: str = "A memory of catches",
-    seed: int = 0,
-    back: str = "",
-) -> Path:
+    memory: Memory, out: Path, *, count: int = SHOWN, found: Clusters | None = None,
+    seed: int = 0, back: str = "", progress: Callable[[int], None] = lambda done: None,
+) -> Path:  # fmt: skip
     """Write a page on which memories are points.
 
     Parameters
@@ -67,15 +61,13 @@ def write_memory_page(
         Folder; made when it is missing.
     count : int
         Memories that are shown, drawn by lot.
-    places : (n, 2) ndarray, optional
-        Where the memories lie in the picture; by default the first two principal components of
-        the directions of their embeddings.
-    groups : mapping, optional
-        Further words for every memory (n,) by which points are coloured, by what they tell.
-    title : str
+    found : Clusters, optional
+        Of these memories; then it is a page about clusters.
     seed : int
     back : str
         Address of the page that links to this one.
+    progress : callable
+        Called with the number of points, and of situations for clusters, done since the last call.
 
     Returns
     -------
@@ -83,17 +75,39 @@ def write_memory_page(
         The page, ``index.html``.
     """
     out.mkdir(parents=True, exist_ok=True)
-    shown = np.sort(seeding.rng(seed).permutation(len(memory))[:count]).tolist()
-    spots = _unit_square(principal_places(memory.embeddings) if places is None else places)
-    points = [_point(memory, k) | {"at": spots[k].tolist()} for k in shown]
-    for name, words in (groups or {}).items():
-        for point, k in zip(points, shown, strict=True):
-            point["words"][name] = words[k]
-    about = {"title": title, "size": len(memory), "index": memory.index.name}
-    data = {"about": about, "points": points, "colours": COLOURS}
+    shown = np.sort(seeding.rng(seed).permutation(len(memory))[:count])
+    if found is None:
+        places = principal_places(memory.embeddings)[shown]
+        lead = (
+            f"{len(memory)} catches are remembered here, filed by the index “{memory.index.name}”; "
+            f"{len(shown)} of them are shown. Neighbours are catches that it takes for alike."
+        )
+        told: Values = {"title": "A memory of catches", "lead": [lead], "cards": []}
+    else:
+        shown = np.union1d(shown, found.medoids)
+        places = _flat(found.places[shown], seed)
+        own = found.by == "trace"
+        moves = found if own else cluster(memory, "trace", count=len(found.medoids), seed=seed)
+        told = about_clusters(found, moves, cross_tries(memory, seed, progress), shown)
+    points = []
+    for k, spot in zip(shown.tolist(), _unit_square(places).tolist(), strict=True):
+        point = _point(memory, k) | {"at": spot}
+        if found is not None:
+            point["words"] = {"cluster": f"cluster {found.labels[k]}"} | point["words"]
+        points.append(point)
+        progress(1)
+    told |= {"data": {"points": points, "colours": COLOURS}, "key": KEY, "back": back}
     page = out / "index.html"
-    page.write_text(fill("memory.html", {"data": data, "key": KEY, "back": back}), "utf-8")
+    page.write_text(fill("memory.html", told), "utf-8")
     return page
+
+
+def _flat(places: np.ndarray, seed: int) -> np.ndarray:
+    """Places (m, d) in a picture (m, 2), in which neighbours stay neighbours."""
+    from sklearn.manifold import TSNE
+
+    wide = min(30.0, (len(places) - 1) / 3.0)
+    return np.asarray(TSNE(perplexity=wide, random_state=seed).fit_transform(places), float)
 
 
 def principal_places(embeddings: np.ndarray) -> np.ndarray:

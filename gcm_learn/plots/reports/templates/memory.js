@@ -4,11 +4,6 @@ const $ = id => document.getElementById(id), C = D.colours;
 const PALETTE = ["#2b6cb0", "#dd6b20", "#2f855a", "#b83280", "#b7791f", "#319795", "#6b46c1",
   "#c53030", "#718096", "#68d391", "#f6ad55", "#63b3ed", "#d53f8c", "#4a5568", "#9ae6b4",
   "#fbd38d", "#a3bffa", "#feb2b2", "#81e6d9", "#000000"];
-$("title").textContent = document.title = D.about.title;
-$("lead").textContent = `${D.about.size} catches are remembered here, filed by the index ` +
-  `“${D.about.index}”; ${D.points.length} of them are shown. Neighbours are catches that the ` +
-  "index takes for alike. Point at one to see it: the hand starts on the right, the bodies move " +
-  "until the catch. Its map is that of first arrivals, darker is later.";
 let by = Object.keys(D.points[0].words)[0], only = null, shown = 0, began = 0;
 const images = new Map();
 
@@ -111,14 +106,15 @@ function scene(m, now) {
   const [x, y] = lerp(m.hand, 2, t, m.time);
   limb(g, m, x, y, s);
 }
-function chart(m) {
+function chart(canvas, m, wanted) {
   let image = images.get(m);
   if (!image) {
-    image = new Image(); image.onload = () => chart(m);
-    image.src = "data:image/png;base64," + m.map; images.set(m, image);
+    image = new Image(); images.set(m, image);
+    image.src = "data:image/png;base64," + m.map;
   }
-  if (!image.complete || m !== D.points[shown]) return;
-  const g = $("map").getContext("2d"), s = view(g, m), reach = m.arm + U;
+  if (!image.complete) image.addEventListener("load", () => chart(canvas, m, wanted));
+  if (!image.complete || !wanted()) return;
+  const g = canvas.getContext("2d"), s = view(g, m), reach = m.arm + U;
   g.save(); g.beginPath(); g.arc(0, 0, reach, 0, 7); g.clip(); g.scale(1, -1);
   g.drawImage(image, -reach, -reach, 2 * reach, 2 * reach); g.restore();
   line(g, m.hand, C.path, 5 / s);
@@ -129,7 +125,7 @@ function show(k) {
   const p = D.points[k], w = Object.entries(p.words).map(([a, b]) => `${a}: ${b}`).join(", ");
   $("catch-words").textContent = `caught after ${(p.end / 1000).toFixed(2)} s`;
   $("map-words").textContent = w;
-  drawPoints(); chart(p);
+  drawPoints(); chart($("map"), p, () => p === D.points[shown]);
 }
 function nearest(event) {
   const box = $("points").getBoundingClientRect(), f = 1120 / box.width;
@@ -149,6 +145,14 @@ $("points").onmousemove = $("points").onclick = event => {
 for (const name of Object.keys(D.points[0].words)) $("by").append(new Option(name, name));
 $("by").onchange = () => { by = $("by").value; only = null; drawLegend(); drawPoints(); };
 drawLegend(); show(0);
+for (const card of document.querySelectorAll("[data-point]")) {
+  const k = Number(card.dataset.point), p = D.points[k], names = classes().map(c => c[0]);
+  card.querySelector("i").style.background = colourOf(p.words[by], names);
+  chart(card.querySelector("canvas"), p, () => true);
+  card.querySelector("a").onclick = () => {
+    by = $("by").value = Object.keys(p.words)[0]; only = p.words[by]; drawLegend(); show(k);
+  };
+}
 function tick(now) {
   scene(D.points[shown], now);
   requestAnimationFrame(tick);
