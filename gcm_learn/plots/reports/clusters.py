@@ -39,7 +39,7 @@ def about_clusters(
         f"{apart}. {len(shown)} catches are shown, alike ones close together."
     )
     return {
-        "title": f"{len(memory)} catches in {len(found.medoids)} clusters of their {name}",
+        "title": f"{len(memory):,} catches in {len(found.medoids)} clusters of their {name}",
         "lead": [kind, verdict(name, own, moved, shares["nothing"][0])],
         "cards": [_card(found, tries, shown, k) for k in range(len(found.medoids))],
         "rows": [(what, _percent(share)) for what, share in shares.items()],

@@ -139,7 +139,9 @@ def _row(name: str, plans: dict[str, Plan]) -> list[str]:
 def _twins(out: Path) -> Section:
     """Draw a catch among bodies that move, and the same one in the resting twin; their maps."""
     plan, scenes = twins()
-    figure, panels = style.panel_grid(4, 4, (3.1, 3.3))
+    figure, panels = style.panel_grid(4, 2, (3.1, 3.3))
+    for ax, title in zip(panels, WORDS["twins"], strict=True):
+        ax.set_title(title)
     for k, scene in enumerate(scenes):
         draw_movement(panels[2 * k], scene, plan)
         plot_plan(panels[2 * k + 1], scene, plan, build_map(scene, FRONT))
