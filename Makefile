@@ -15,9 +15,11 @@ export MPLBACKEND           ?= Agg
 # Without bytecode each start compiles numba, numpy and scipy anew: 3 s in place of 1.4 s.
 unexport PYTHONDONTWRITEBYTECODE
 
+SMALL := tests/test_compiled.py tests/test_boxing.py tests/test_plain.py tests/planners/test_answers.py
+
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo test slow bench lint format docs wheel wheel-test clean distclean
+.PHONY: help demo test slow bench lint format docs numba-test wheel wheel-test clean distclean
 
 help:  ## show this list
 	@grep -hE '^[a-z-]+:.*##' $(firstword $(MAKEFILE_LIST)) | awk -F ':.*## ' '{printf "  make %-10s %s\n", $$1, $$2}'
@@ -52,6 +54,15 @@ bench: $(VENV)/.dev peers  ## measure the kernels on one core, next to their pee
 
 docs: $(VENV)/.dev  ## build the documentation site in build/site; notebooks are executed
 	$(BIN)/python -m sphinx -b html -W --keep-going docs build/site
+
+# With the oldest and the newest numba, and with the newest as it is by itself.
+numba-test:  ## a small part of the tests with other versions of numba
+	for numba in "numba==0.61.*" "numba"; do \
+	  rm -rf build/numba && $(PYTHON) -m venv build/numba && \
+	  build/numba/bin/pip install -q "$$numba" --editable . pytest hypothesis && \
+	  build/numba/bin/python -m pytest -q $(SMALL) || exit 1; \
+	done
+	GCM_LEARN_PLAIN=1 build/numba/bin/python -m pytest -q $(SMALL)
 
 wheel:  ## build the wheel, and one with compiled kernels for it, into dist/
 	rm -rf build/wheel dist && $(PYTHON) -m venv build/wheel && build/wheel/bin/pip install -q build

@@ -6,10 +6,10 @@ import os
 import stat
 from pathlib import Path
 
+import numba
 import pytest
 
 from gcm_learn import compiled, storage
-from gcm_learn.compiled import cache
 
 
 @pytest.mark.parametrize("durable", [False, True])
@@ -103,7 +103,7 @@ def test_hashes_are_sha256():
 
 def test_the_users_folders(monkeypatch, tmp_path):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
-    monkeypatch.setattr(cache.config, "CACHE_DIR", "")
+    monkeypatch.setattr(numba.config, "CACHE_DIR", "")
     assert compiled.folder() == storage.user_cache("kernels")
     assert storage.user_cache("kernels").parent == storage.user_cache("maps").parent
     assert storage.user_cache("kernels") != storage.user_data("kernels")

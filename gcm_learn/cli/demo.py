@@ -10,6 +10,7 @@ from typing import Annotated
 from gcm_learn.cli.failures import CommandFailure, say, why
 from gcm_learn.cli.files import FORMATS, made_folder, require_suffix, staged
 from gcm_learn.cli.options import Number, given
+from gcm_learn.cli.warm_up import side_by_side
 from gcm_learn.errors import UnknownNameError
 
 PLACES = {
@@ -21,6 +22,11 @@ PLACES = {
     "notebooks, as scripts that jupytext opens": "docs/notebooks/*.py",
 }
 
+COMPILED = (
+    ("search", ("crossing-swarm-space", 3, 5)),
+    *((name, ("crossing-swarm", 3, 5)) for name in ("gcm", "marching", "search", "straight")),
+)
+"""Planners and examples that run what the page runs."""
 FIGURES = (*(f"fig{k}" for k in range(1, 9)), "fig5-space", "fig8-space", "fig8-body")
 
 
@@ -61,11 +67,19 @@ class Demo:
             print(_copied(self.copy, self.out))
         else:
             folder = made_folder(self.out or Path("demo"), option="--out")
+            from gcm_learn.compiled import on_first_compiling
             from gcm_learn.plots import build_demo
 
+            on_first_compiling(_compile)
             page = build_demo(folder, self.seed, self.random, say)
             print(f"Open {page.resolve().as_uri()} in a browser.")
         return 0
+
+
+def _compile() -> None:
+    """Compile in several processes what the page runs."""
+    say("compiling once for the arms of the page: one or two minutes on two cores")
+    side_by_side(COMPILED)
 
 
 def _drawn(name: str, out: Path | None) -> Path:

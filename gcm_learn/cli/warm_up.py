@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 from pkgutil import resolve_name
@@ -11,7 +13,7 @@ from typing import Annotated, Any
 
 from tyro.conf import arg
 
-from gcm_learn.cli.failures import CommandFailure
+from gcm_learn.cli.failures import CommandFailure, say
 from gcm_learn.cli.options import AllCores, given
 from gcm_learn.cli.progress import Progress
 from gcm_learn.registration import ENTRIES
@@ -28,6 +30,9 @@ EXAMPLES = (
 )
 """Families or presets, seeds and numbers of situations that together run what planners run."""
 ARENAS = ("CatchArm-v0", "CatchArm3D-v0", "CatchChain-v0")
+LASTS = "once: about five minutes on two cores; what is compiled is kept if you stop it"
+Task = tuple[str, Any]
+"""A planner and an example, or nothing and an arena."""
 
 
 @dataclass(frozen=True)
@@ -48,9 +53,9 @@ class WarmUp:
 
     def run(self) -> int:
         """Let planners answer an example for each kind of arm, and step each arena."""
+        from gcm_learn.compiled import on_first_compiling
         from gcm_learn.errors import GcmError
         from gcm_learn.planners import check_name
-        from gcm_learn.processes import crew_of
 
         names = [name.strip() for name in self.planners.split(",") if name.strip()]
         if not names:
@@ -62,19 +67,20 @@ class WarmUp:
             raise CommandFailure(f"--planners: {error}") from None
         if self.wheel is not None:
             return self._build(self.wheel)
-        tasks: list[tuple[str, Any]] = [(name, e) for e in EXAMPLES for name in names]
-        if find_spec("gymnasium"):
-            tasks += [("", arena) for arena in ARENAS]
-        with crew_of(self.workers) as crew, Progress(len(tasks), "answers") as progress:
-            for _ in crew.results(answered, tasks):
-                progress.advance()
+        tasks: list[Task] = [("", arena) for arena in ARENAS if find_spec("gymnasium")]
+        tasks += [(name, example) for name in names for example in EXAMPLES]
+        on_first_compiling(partial(say, f"compiling for all arms, {LASTS}"))
+        side_by_side(tasks, self.workers)
         print(f"compiled for {', '.join(names)}")
         return 0
 
     def _build(self, folder: Path) -> int:
         """Compile for the wheel's processor in another process, and write the wheel."""
-        from gcm_learn.compiled import PROCESSORS, build_wheel, usual_processor
+        from gcm_learn.compiled import INSIDE, PROCESSORS, TESTED, build_wheel, usual_processor
 
+        if not INSIDE:
+            tested = " to ".join(f"{major}.{minor}" for major, minor in TESTED)
+            raise CommandFailure(f"--wheel: needs numba {tested}, without GCM_LEARN_PLAIN")
         processor = self.processor or usual_processor()
         if processor not in PROCESSORS:
             raise CommandFailure(f"--processor {processor}: must be one of {', '.join(PROCESSORS)}")
@@ -84,7 +90,19 @@ class WarmUp:
         return 0
 
 
-def answered(task: tuple[str, Any]) -> bool:
+def side_by_side(tasks: Sequence[Task], workers: int | None = None) -> None:
+    """Do tasks in several processes, which compile what they run; neighbours differ in their arm.
+
+    What is compiled is kept at once, so that an interrupted command can go on.
+    """
+    from gcm_learn.processes import crew_of
+
+    with crew_of(workers) as crew, Progress(len(tasks), "answers") as progress:
+        for _ in crew.results(answered, tasks):
+            progress.advance()
+
+
+def answered(task: Task) -> bool:
     """Let a planner answer an example, or step an arena; return whether it takes the arm."""
     from gcm_learn.errors import ArmKindError
     from gcm_learn.families import draw

@@ -8,8 +8,13 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any, ClassVar
 
-from numba.core import types
-from numba.core.typing.templates import AbstractTemplate, infer_global
+from numba.extending import overload
+
+from gcm_learn.compiled.kernels import INSIDE
+
+if INSIDE:
+    from numba.core import types
+    from numba.core.typing.templates import AbstractTemplate, infer_global
 
 _TABLES: dict[Callable[..., Any], dict[type | None, Callable[..., Any]]] = {}
 
@@ -31,7 +36,10 @@ def by_type(table: Mapping[type | None, Callable[..., Any]]) -> Any:
         return (table.get(type(first)) or table[None])(first, *rest)
 
     _TABLES[chosen] = dict(table)
-    infer_global(chosen, types.Function(_template(chosen)))
+    if INSIDE:
+        infer_global(chosen, types.Function(_template(chosen)))
+    else:
+        overload(chosen)(_wrapped(chosen))
     return chosen
 
 
@@ -50,21 +58,35 @@ def register(function: Any, kind: type | None, kernel: Any) -> None:
     _TABLES[function][kind] = kernel
 
 
+def _entry(function: Callable[..., Any], first: Any) -> Any:
+    """Return the entry for numba's type of a first argument, None if there is none."""
+    table: Mapping[type | None, Any] = _TABLES[function]
+    return table.get(getattr(first, "instance_class", None), table.get(None))
+
+
+def _wrapped(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Return what numba asks for a function that calls the entry."""
+
+    def chosen(first: Any, *rest: Any) -> Any:
+        kernel = _entry(function, first)
+        return None if kernel is None else lambda first, *rest: kernel(first, *rest)
+
+    return chosen
+
+
 def _template(function: Callable[..., Any]) -> type[AbstractTemplate]:
     """Return numba's question for the type and the code of a call, answered by an entry.
 
     An `overload` would put a function around the entry.  Numba would optimise all code below once
     more for it.
     """
-    table: Mapping[type | None, Any] = _TABLES[function]
 
     class Template(AbstractTemplate):  # type: ignore[misc]
         key = function
         codes: ClassVar[dict[tuple[Any, ...], Any]] = {}  # by the types of arguments
 
         def generic(self, args: tuple[Any, ...], kws: dict[str, Any]) -> Any:
-            kind = getattr(args[0], "instance_class", None)
-            kernel = table.get(kind, table.get(None))
+            kernel = _entry(function, args[0])
             if kernel is None:
                 return None
             called = types.Dispatcher(kernel)

@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
-import contextlib
-import gc
-from collections.abc import Callable, Iterator
-from functools import cached_property
+import os
+from collections.abc import Callable
 from typing import Any
 
-from numba.core import config
-from numba.core.registry import CPUDispatcher
-from numba.core.types.misc import unliteral
+import numba
 
-from gcm_learn.compiled.boxing import replace_numbas
-from gcm_learn.compiled.cache import Cache, PartCache, is_kept
-from gcm_learn.compiled.parts import PartCompiler, WholeCompiler
+TESTED = (0, 61), (0, 68)
+"""First and last version of numba whose inside is used; others compile as they do by themselves."""
+INSIDE = TESTED[0] <= numba.version_info.short <= TESTED[1] and not os.environ.get(
+    "GCM_LEARN_PLAIN"
+)
+if INSIDE:
+    from numba.core.compiler_lock import global_compiler_lock
 
-replace_numbas()
+    from gcm_learn.compiled.boxing import replace_numbas
+    from gcm_learn.compiled.parts import kernel
+
+    replace_numbas()
+else:
+    from gcm_learn.compiled.plain import kernel
 
 
 def njit(function: Callable[..., Any] | None = None, **options: Any) -> Any:
@@ -30,61 +35,9 @@ def njit(function: Callable[..., Any] | None = None, **options: Any) -> Any:
     """
     if function is None:
         return lambda later: njit(later, **options)
-    options.setdefault("no_cfunc_wrapper", True)  # for callers in C, and a seventh of compiling
-    if config.DISABLE_JIT:
-        return function
-    options = {"nopython": True, "boundscheck": None} | options
-    made = _Kernel(function, targetoptions=options, pipeline_class=WholeCompiler)
-    if is_kept(function):
-        made._cache = Cache(function)
-    return made
+    return function if numba.config.DISABLE_JIT else kernel(function, options)
 
 
-class _Kernel(CPUDispatcher):  # type: ignore[misc]
-    """Compiled function with two codes: one for Python, and a part for functions that call it.
-
-    Each is compiled at its first call.  A function must not call itself.
-    """
-
-    @cached_property
-    def _part(self) -> CPUDispatcher:
-        """The part, without a wrapper for Python."""
-        options = self.targetoptions | {"no_cpython_wrapper": True}
-        made = CPUDispatcher(self.py_func, targetoptions=options, pipeline_class=PartCompiler)
-        if is_kept(self.py_func):
-            made._cache = PartCache(self.py_func)
-        return made
-
-    def get_call_template(self, args: Any, kws: Any) -> Any:
-        """Return the types of a call by another function; compile the part for it.
-
-        Numba has a type for every number in a source, for which it would compile a part once more.
-        """
-        plain = tuple(unliteral(given) for given in args)
-        return self._part.get_call_template(plain, kws)
-
-    def get_overload(self, sig: Any) -> Any:
-        """Return the key of the part."""
-        return self._part.get_overload(sig)
-
-    def compile(self, sig: Any) -> Any:
-        """Compile the function for Python, and load the environments of its parts."""
-        with _without_collection():
-            entry = super().compile(sig)
-        made = self.overloads[tuple(getattr(sig, "args", sig))]
-        for environment in made._find_referenced_environments():
-            made.codegen.set_env(environment.env_name, environment)
-        return entry
-
-
-@contextlib.contextmanager
-def _without_collection() -> Iterator[None]:
-    """Pause the collection of garbage, which takes a tenth of compiling and finds little."""
-    if not gc.isenabled():
-        yield
-        return
-    gc.disable()
-    try:
-        yield
-    finally:
-        gc.enable()
+def is_compiling() -> bool:
+    """Return whether something is compiled now, as far as that is known."""
+    return bool(INSIDE and global_compiler_lock.is_locked())

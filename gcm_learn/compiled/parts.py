@@ -8,13 +8,19 @@ references went that span several blocks: only without them some loops are simpl
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
+import contextlib
+import gc
+from collections.abc import Callable, Iterator
+from functools import cached_property
 from typing import Any, ClassVar
 
 import llvmlite.binding as llvm
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler
+from numba.core.registry import CPUDispatcher
+from numba.core.types.misc import unliteral
+
+from gcm_learn.compiled.cache import Cache
 
 
 class _Library(JITCodeLibrary):  # type: ignore[misc]
@@ -41,6 +47,14 @@ class WholeLibrary(_Library):
         super()._optimize_final_module()
         if _counts_across_blocks() != before:
             self._run()
+
+    def serialize_using_object_code(self) -> Any:
+        """Return the machine code; numba adds bitcode for others, who link parts here."""
+        self._ensure_finalized()
+        names = [made.name for made in self._final_module.functions if not made.is_declaration]
+        stubs = "".join(f'define void @"{name}"() {{ ret void }}\n' for name in names)
+        code = self._get_compiled_object(), llvm.parse_assembly(stubs).as_bitcode()
+        return self.name, "object", code
 
 
 class PartLibrary(_Library):
@@ -92,12 +106,73 @@ class PartCompiler(WholeCompiler):
     library = PartLibrary
 
 
-@contextmanager
-def loading(target_context: Any) -> Iterator[None]:
-    """Let numba load parts in place of functions."""
-    codegen = target_context.codegen()
-    codegen._library_class, whole = PartLibrary, codegen._library_class
+class PartCache(Cache):
+    """Kept code of a part."""
+
+    def _rebuilt(self, target_context: Any, data: Any) -> Any:
+        codegen = target_context.codegen()
+        codegen._library_class, whole = PartLibrary, codegen._library_class
+        try:
+            return super()._rebuilt(target_context, data)
+        finally:
+            codegen._library_class = whole
+
+
+class _Kernel(CPUDispatcher):  # type: ignore[misc]
+    """Compiled function with two codes: one for Python, and a part for functions that call it.
+
+    Each is compiled at its first call.  A function must not call itself.
+    """
+
+    @cached_property
+    def _part(self) -> CPUDispatcher:
+        """The part, without a wrapper for Python."""
+        options = self.targetoptions | {"no_cpython_wrapper": True}
+        made = CPUDispatcher(self.py_func, targetoptions=options, pipeline_class=PartCompiler)
+        made._cache = PartCache(self.py_func, "part-")
+        return made
+
+    def get_call_template(self, args: Any, kws: Any) -> Any:
+        """Return the types of a call by another function; compile the part for it.
+
+        Numba has a type for every number in a source, for which it would compile a part once more.
+        """
+        plain = tuple(unliteral(given) for given in args)
+        return self._part.get_call_template(plain, kws)
+
+    def get_overload(self, sig: Any) -> Any:
+        """Return the key of the part."""
+        return self._part.get_overload(sig)
+
+    def compile(self, sig: Any) -> Any:
+        """Compile the function for Python, and load the environments of its parts."""
+        with _without_collection():
+            entry = super().compile(sig)
+        made = self.overloads[tuple(getattr(sig, "args", sig))]
+        for environment in made._find_referenced_environments():
+            made.codegen.set_env(environment.env_name, environment)
+        return entry
+
+
+def kernel(function: Callable[..., Any], options: dict[str, Any]) -> Any:
+    """Return a function that is compiled when it is first called.
+
+    It has no wrapper for callers in C, which takes a seventh of compiling.
+    """
+    options = {"nopython": True, "boundscheck": None, "no_cfunc_wrapper": True} | options
+    made = _Kernel(function, targetoptions=options, pipeline_class=WholeCompiler)
+    made._cache = Cache(function)
+    return made
+
+
+@contextlib.contextmanager
+def _without_collection() -> Iterator[None]:
+    """Pause the collection of garbage, which takes a tenth of compiling and finds little."""
+    if not gc.isenabled():
+        yield
+        return
+    gc.disable()
     try:
         yield
     finally:
-        codegen._library_class = whole
+        gc.enable()

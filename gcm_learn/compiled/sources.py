@@ -15,8 +15,8 @@ STARTED = time.time()
 UNCALLED = tuple(
     f"gcm_learn.{name}"
     for name in (
-        "arms.robots", "compiled.cache", "compiled.sources", "compiled.wheel", "errors", "late",
-        "motion.as_obstacles", "storage",
+        "arms.robots", "compiled.cache", "compiled.notice", "compiled.plain", "compiled.sources",
+        "compiled.wheel", "errors", "late", "motion.as_obstacles", "storage",
     )
 )  # fmt: skip
 """Modules in which no kernel calls anything."""
@@ -32,6 +32,11 @@ def source_hash(module: str) -> str:
     for path in sorted(_sources_of(module)):
         parts += [path.relative_to(PACKAGE).as_posix(), path.read_bytes()]
     return storage.content_hash(*parts)[:16]
+
+
+def folder_of(module: str) -> str:
+    """Return the name of the folder with the code of a module."""
+    return f"{module.removeprefix(f'{PACKAGE.name}.')}-{source_hash(module)}"
 
 
 @cache

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable, Iterator
 from types import FrameType, TracebackType
 from typing import Self, TypeVar
 
-from numba.core.compiler_lock import global_compiler_lock
+from gcm_learn.compiled import is_compiling
 
 STRIKES = 3  # times that a task may be under way when its process dies, before it is done alone
 Task = TypeVar("Task")
@@ -123,7 +123,7 @@ def time_limit(seconds: float | None) -> Iterator[None]:
     def look(number: int, frame: FrameType | None) -> None:
         nonlocal spent, seen
         last, seen = seen, time.monotonic()
-        if global_compiler_lock.is_locked():
+        if is_compiling():
             return
         spent += seen - last
         if spent >= seconds and not done:

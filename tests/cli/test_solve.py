@@ -13,7 +13,7 @@ import pytest
 
 from gcm_learn import families
 from gcm_learn.cli import main
-from gcm_learn.compiled.cache import NOTICE
+from gcm_learn.compiled.notice import NOTICE
 from gcm_learn.errors import StopError
 from gcm_learn.families import paper_scene
 from gcm_learn.situation import write_situations
