@@ -15,7 +15,7 @@ SHIPPED = (
         f"models/{name}"
         for name in (
             *("clone", "encoder", "encoder-map", "encoder-map-panda"),
-            *("ppo", "ppo-clone", "ppo-space"),
+            *("ppo", "ppo-clone", "ppo-guide", "ppo-space"),
             *("recall", "recall-panda", "recall-space", "sac"),
         )
     ),

@@ -19,7 +19,7 @@ SOURCES = (
     *("pyproject.toml", "setup.py", "MANIFEST.in", "README.md", "LICENSE", "models", "data"),
     *("docs/notebooks", "experiments/04_policies"),
 )
-ACTORS = ("clone", "ppo", "ppo-clone", "sac")
+ACTORS = ("clone", "ppo", "ppo-clone", "ppo-guide", "sac")
 
 
 @pytest.fixture(scope="module")

@@ -37,7 +37,7 @@ class Compare:
     """number of situations of each source"""
 
     seed: Annotated[int | None, WHOLE, given("N", "0")] = None
-    """root of what is drawn from families; with it L, W, Q and U are drawn
+    """root of what is drawn from families; with it L, W, Q, U and natural are drawn
     anew, and panda-easy means the preset"""
 
     thinking: Annotated[str, arg(metavar="T,T")] = "0"

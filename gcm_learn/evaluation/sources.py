@@ -86,7 +86,7 @@ def cases(
     count : int, optional
         At most so many of each source. Default: all of a suite that ships or of a file, else 50.
     seed : int, optional
-        Of draws from families, by default 0. With it L, W, Q and U are drawn anew, and a name that
+        Of draws from families, by default 0. With it drawn suites are drawn anew, and a name that
         a preset shares with a suite means the preset.
     workers, cluster
         Of drawing, see `processes.crew_of`.

@@ -12,7 +12,7 @@ import json
 import math
 import tomllib
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Literal
 
 from gcm_learn import artifacts
@@ -190,7 +190,7 @@ def draw_suite(
     workers, cluster
         See `processes.crew_of`.
     seed : int, optional
-        Of L, W, Q or U, which are drawn anew then and not frozen.
+        With it a suite is drawn anew, and not frozen.
     progress : callable
         Called with the number of new situations.
 
@@ -202,9 +202,8 @@ def draw_suite(
     if not 1 <= count <= LARGEST:
         raise SuiteError(f"count: must be from 1 to {LARGEST} (got {count})")
     kept = artifacts.kept("data") / FOLDER if folder is None else folder
-    if seed is not None and name in turns.STRATA:
-        with crew_of(workers, cluster) as crew:
-            return turns.first_of(name, count, kept / f"{seed}", crew, seed, progress)
+    if seed is not None:
+        return _drawn(name, count, kept / f"{seed}", workers, cluster, progress, seed)[:count]
     path = kept / f"{name}.jsonl"
     found = (suite_file(name) if folder is None else path) or path
     lines: list[Line] = []
@@ -244,18 +243,21 @@ def _drawn(
     workers: int | None,
     cluster: str | None,
     progress: Callable[[int], None],
+    seed: int | None = None,
 ) -> list[Line]:
     """Draw a suite as a dataset, or from draws in turn; both go on where they were interrupted."""
     if name in turns.STRATA:
         with crew_of(workers, cluster) as crew:
-            lines = turns.first_of(name, count, folder, crew, progress=progress)
+            of = turns.SEED if seed is None else seed
+            lines = turns.first_of(name, count, folder, crew, of, progress)
         return [{"suite": name} | line for line in lines]
     from gcm_learn import dataset  # needs pyarrow
 
-    spec = DRAWN[name].spec(name, -(-count // SHARD) * SHARD)
+    draw = DRAWN[name] if seed is None else replace(DRAWN[name], seed=seed)
+    spec = draw.spec(name, -(-count // SHARD) * SHARD)
     dataset.generate(spec, folder / name, workers, cluster=cluster, progress=progress)
     records = dataset.open(folder / name)
-    return [_line(DRAWN[name].called or name, records[k]) for k in range(len(records))]
+    return [_line(draw.called or name, records[k]) for k in range(len(records))]
 
 
 def _line(name: str, record: Record) -> Line:
