@@ -20,6 +20,7 @@ from numba.core.registry import cpu_target
 
 from gcm_learn import compiled
 from gcm_learn.compiled import cache, notice, sources
+from gcm_learn.seeding import rng
 
 CODEGEN = cpu_target.target_context.codegen()
 
@@ -157,6 +158,20 @@ def test_damaged_code_is_compiled_and_kept_anew(ours, damage):
     assert answers(ours, 2) == (damage is in_the_way)
 
 
+@pytest.mark.parametrize("times", [8, pytest.param(200, marks=pytest.mark.slow)])
+def test_caches_damaged_at_random_do_not_stop(ours, times):
+    """Some bytes of a file change, or its end goes, or all of it."""
+    draws = rng(42)
+    for _ in range(times):
+        answers(ours, 2)
+        for path in kept_files(ours):
+            data = bytearray(path.read_bytes())
+            for place in draws.integers(len(data), size=int(draws.integers(4))):
+                data[place] ^= int(draws.integers(1, 256))
+            path.write_bytes(data[: int(draws.choice([len(data), draws.integers(len(data))]))])
+        answers(ours, 2)
+
+
 def full(*_, **__):
     raise OSError(errno.ENOSPC, "No space left on device")
 
@@ -254,6 +269,13 @@ MACHINE = CODEGEN.magic_tuple()
 def test_code_that_was_compiled_ahead_is_found_and_nothing_is_written(ours, shipped):
     assert answers(ours, 2) == 0 and not shipped[1].exists()
     assert answers(ours, 0.5) == 1 and shipped[1].exists()
+
+
+def test_code_that_was_compiled_ahead_stands_in_for_damaged_code(ours, shipped):
+    shutil.copytree(shipped[0].parent, shipped[1])
+    for path in shipped[1].rglob("*.nbc"):
+        cut(path)
+    assert answers(ours, 2) == 0
 
 
 @pytest.mark.parametrize(

@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
+import textwrap
+
 import numba
 import pytest
 
@@ -50,3 +55,41 @@ def test_a_file_in_place_of_the_folder_does_not_stop(place, monkeypatch):
     (place / "file").touch()
     monkeypatch.setattr(numba.config, "CACHE_DIR", str(place / "file"))
     assert compiled_anew(2) == 1
+
+
+TABLE = """
+    from typing import NamedTuple
+    from gcm_learn.compiled import by_type, njit
+
+    class Disc(NamedTuple):
+        radius: float
+
+    class Square(NamedTuple):
+        side: float
+
+    @njit
+    def of_disc(shape, by):
+        return shape.radius * by
+
+    @njit
+    def of_others(shape, by):
+        return shape[0] + by
+
+    size = by_type({Disc: of_disc, None: of_others})
+
+    @njit
+    def sizes(disc, square):
+        return size(disc, 3.0), size(square, 3.0)
+
+    print(*sizes(Disc(2.0), Square(2.0)), size(Disc(2.0), 5.0))
+"""
+
+
+@pytest.mark.parametrize("as_it_is", ["", "1"])
+def test_tables_choose_by_type(as_it_is):
+    environment = os.environ | {"GCM_LEARN_PLAIN": as_it_is}
+    done = subprocess.run(
+        [sys.executable, "-c", textwrap.dedent(TABLE)],
+        env=environment, capture_output=True, text=True, check=True,
+    )  # fmt: skip
+    assert done.stdout.split() == ["6.0", "5.0", "10.0"]

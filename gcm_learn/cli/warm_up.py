@@ -27,10 +27,11 @@ EXAMPLES = (
     ("panda-sequences", 3, 0),
     ("falling-space", 5, 0),
     ("panda-crowded", 5, 0),
+    ("panda-crowded", 5, 3),
 )
 """Families or presets, seeds and numbers of situations that together run what planners run."""
 ARENAS = ("CatchArm-v0", "CatchArm3D-v0", "CatchChain-v0")
-LASTS = "once: about five minutes on two cores; what is compiled is kept if you stop it"
+LASTS = "once: five to ten minutes on two cores; what is compiled is kept if you stop it"
 Task = tuple[str, Any]
 """A planner and an example, or nothing and an arena."""
 
@@ -93,7 +94,7 @@ class WarmUp:
 def side_by_side(tasks: Sequence[Task], workers: int | None = None) -> None:
     """Do tasks in several processes, which compile what they run; neighbours differ in their arm.
 
-    What is compiled is kept at once, so that an interrupted command can go on.
+    Each kernel is kept at once, so that an interrupted command can go on.
     """
     from gcm_learn.processes import crew_of
 

@@ -52,7 +52,7 @@ def _modules_of(given: Any) -> Iterator[str]:
 
 
 class Place(NamedTuple):
-    """Where code lies, and for which machine it is."""
+    """Folder of code, and the machine that it is for."""
 
     folder: Path
     machine: tuple[str, str, str]
@@ -77,7 +77,9 @@ def ahead() -> Place | None:
 
 
 class Cache:
-    """Kept code of one function, as numba asks for it, and no reason to fail if there is none.
+    """Kept code of one function, as numba asks for it.
+
+    Code that cannot be read or written is no reason to fail.
 
     Code for limbs of other modules is compiled anew in each process.  The hash lacks the sources of
     these modules, and other processes may be unable to import them.  Numba's own cache has one

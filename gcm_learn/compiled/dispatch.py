@@ -39,7 +39,7 @@ def by_type(table: Mapping[type | None, Callable[..., Any]]) -> Any:
     if INSIDE:
         infer_global(chosen, types.Function(_template(chosen)))
     else:
-        overload(chosen)(_wrapped(chosen))
+        overload(chosen)(lambda first, *rest: _called(_entry(chosen, first)))
     return chosen
 
 
@@ -59,19 +59,14 @@ def register(function: Any, kind: type | None, kernel: Any) -> None:
 
 
 def _entry(function: Callable[..., Any], first: Any) -> Any:
-    """Return the entry for numba's type of a first argument, None if there is none."""
+    """Return the entry for numba's type of a first argument, or None."""
     table: Mapping[type | None, Any] = _TABLES[function]
     return table.get(getattr(first, "instance_class", None), table.get(None))
 
 
-def _wrapped(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Return what numba asks for a function that calls the entry."""
-
-    def chosen(first: Any, *rest: Any) -> Any:
-        kernel = _entry(function, first)
-        return None if kernel is None else lambda first, *rest: kernel(first, *rest)
-
-    return chosen
+def _called(kernel: Any) -> Any:
+    """Return a function that calls an entry, or None without one."""
+    return None if kernel is None else lambda first, *rest: kernel(first, *rest)
 
 
 def _template(function: Callable[..., Any]) -> type[AbstractTemplate]:
