@@ -15,7 +15,8 @@ from gcm_learn.plots import style
 from gcm_learn.policies import curves
 
 HERE = Path(__file__).parent
-COLOURS = {"scratch": style.OBSTACLE, "guided": style.TARGET, "panda": style.FAINT}
+COLOURS = {"scratch": style.OBSTACLE, "guided": style.TARGET, "panda": style.FAINT,
+           "clone": style.PATH}  # fmt: skip
 HEAD = ["run", "steps", "processor hours", "steps/s", "last quarter caught", "touched",
         "steps to 95 % of it", "end"]  # fmt: skip
 

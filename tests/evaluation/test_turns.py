@@ -6,7 +6,7 @@ import json
 
 import pytest
 
-from gcm_learn import families, planners
+from gcm_learn import dataset, families, planners
 from gcm_learn.evaluation import suites, turns
 from gcm_learn.situation import situation_from_json, situation_to_json
 from gcm_learn.situation.canonical import canonical
@@ -46,6 +46,14 @@ def test_what_is_drawn_for_one_is_drawn_for_all(asked, tmp_path):
     assert len(asked) == seen
     few = suites.draw_suite("Q", 10, tmp_path / "elsewhere", 1)
     assert suites.hash_of(few) == suites.hash_of(many[:10])
+
+
+def test_a_seed_draws_a_mix_anew(monkeypatch, tmp_path):
+    made = []
+    monkeypatch.setattr(dataset, "generate", lambda spec, *at, **how: made.append((spec.seed, *at)))
+    monkeypatch.setattr(dataset, "open", lambda folder: [])
+    assert suites.draw_suite("natural", 25, tmp_path, 1, seed=7) == []
+    assert made == [(7, tmp_path / "7" / "natural", 1)]
 
 
 def test_a_cluster_draws_the_same_and_goes_on_where_another_stopped(asked, scheduler, tmp_path):
