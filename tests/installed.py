@@ -34,7 +34,7 @@ FIRST = {
         for family in ("crossing-swarm", "falling-space", "panda-crowded")
         for name in ("recall", "hybrid")
     },
-    "space": PLAN.format("falling-space", 0, "search"),
+    "space": "from gcm_learn import paper_scene, solve\nplan = solve(paper_scene('fig8-space'))",
     "xArm6 from a file": FILE,
     **{f"{name}, {k}": PLAN.format(name, k, "search") for name in PRESETS for k in range(6)},
     **{name: STEP.format(name) for name in ("CatchArm-v0", "CatchArm3D-v0", "CatchChain-v0")},
