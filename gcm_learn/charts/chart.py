@@ -17,10 +17,13 @@ SMALLEST_LATTICE = 16
 class Chart(ABC):
     """A square or a cube of cells about the shoulder, n along a side, with nodes in them."""
 
-    kind: ClassVar[Kind]
-    """Kind of arm whose hand-space it is."""
     half_diagonal: ClassVar[float]
     """At least half the diagonal of a cell [cells]."""
+
+    @property
+    @abstractmethod
+    def kind(self) -> Kind:
+        """Kind of arm whose hand-space it is."""
 
     @property
     @abstractmethod

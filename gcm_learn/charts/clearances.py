@@ -1,4 +1,4 @@
-"""Distances of obstacles and limb, in every posture of a lattice in space."""
+"""Distances of obstacles and limb, in the postures that a front found."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from gcm_learn.charts.cube import Cube
+from gcm_learn.charts.hand_lattice import HandLattice
 from gcm_learn.collision.postures import Desk, desk_of, distance_at
 from gcm_learn.compiled import njit
 from gcm_learn.scene import Scene, pack
@@ -14,19 +14,19 @@ from gcm_learn.situation import Situation
 
 
 def cell_clearances(
-    situation: Situation[Any], lattice: Cube, t: float, joints: np.ndarray | None = None
+    situation: Situation[Any], lattice: HandLattice, t: float, joints: np.ndarray
 ) -> np.ndarray:
     """Clearance of the limb in every cell's posture at time t.
 
     Parameters
     ----------
     situation : Situation
-    lattice : Cube
+    lattice : HandLattice
         Of its arm.
     t : float
         Time [s].
-    joints : (nodes, dof) ndarray, optional
-        Postures that a front found, NaN where it never came; by default those of a rule.
+    joints : (nodes, dof) ndarray
+        Postures that a front found, NaN where it never came.
 
     Returns
     -------
@@ -35,10 +35,7 @@ def cell_clearances(
         where they touch; infinite where there is no posture.
     """
     scene, out = pack(situation), np.full(lattice.size, np.inf)
-    chart: Any = lattice
-    there = chart.inside if joints is None else np.isfinite(joints[:, 0])
-    found = chart.joints.astype(float) if joints is None else joints
-    _rooms(scene, found, np.flatnonzero(there), t, desk_of(scene), out)
+    _rooms(scene, joints, np.flatnonzero(np.isfinite(joints[:, 0])), t, desk_of(scene), out)
     return out.reshape(lattice.shape) - situation.arm.thickness
 
 

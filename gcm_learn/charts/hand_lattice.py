@@ -1,30 +1,24 @@
-"""The lattice over the hand's places of a chain: cells whose postures a front finds on its way."""
+"""The lattice over the hand's places in space: cells whose postures a front finds on its way."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from gcm_learn.arms import CHAIN, Chain, Kind, hands_along
-from gcm_learn.charts.cube import Cube
+from gcm_learn.arms import Kind, hands_along, kind_of, rotation_of
+from gcm_learn.charts.chart import SMALLEST_LATTICE, Chart
 from gcm_learn.errors import LatticeError
 from gcm_learn.scene import Scene
 
-
-class OnePosture(NamedTuple):
-    """A limb with one posture in a cell."""
-
-    limb: Any
-    postures: int  # 1
+LARGEST_HAND_LATTICE = 80
 
 
-class PulledNodes(NamedTuple):
+class Nodes(NamedTuple):
     """The cells as kernels read them; a front writes the posture by which it comes to a cell."""
 
-    rule: OnePosture
+    limb: Any
     n: int  # cells along a side
     spacing: float  # of cells
     joints: np.ndarray  # (nodes, dof): postures [rad or lengths]
@@ -40,15 +34,54 @@ class PulledNodes(NamedTuple):
 
 
 @dataclass(frozen=True)
-class HandLattice(Cube):
-    """A lattice of n x n x n cells over the ball of hand positions of a chain.
+class HandLattice(Chart):
+    """A lattice of n x n x n cells over the ball of hand positions of an arm in space.
+
+    The frame is that of the arm's base, with lengths in the arm's unit.  Arrays over the cells are
+    indexed ``[iz, iy, ix]``.
 
     There is no rule by which a place has its posture.  Each front keeps one posture for each cell:
     that of the cell it came from, pulled to this one by the least turn of the joints.
     """
 
-    kind: ClassVar[Kind] = CHAIN
-    arm: Chain
+    half_diagonal: ClassVar[float] = 0.87
+    arm: Any
+    n: int = 40
+    """Cells along a side."""
+
+    def __post_init__(self) -> None:
+        """Check the size."""
+        if not SMALLEST_LATTICE <= self.n <= LARGEST_HAND_LATTICE:
+            raise LatticeError(
+                f"lattice size {self.n} is outside "
+                f"{SMALLEST_LATTICE}..{LARGEST_HAND_LATTICE} in space"
+            )
+
+    @property
+    def kind(self) -> Kind:
+        """Kind of the arm."""
+        return kind_of(self.arm)
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """(n, n, n)."""
+        return (self.n,) * 3
+
+    @property
+    def reach(self) -> float:
+        """Radius of the ball, half a side of the lattice."""
+        return float(self.arm.reach)
+
+    @property
+    def centres(self) -> np.ndarray:
+        """Coordinates (n,) of the cells' centres along an axis."""
+        return (np.arange(self.n) - 0.5 * (self.n - 1)) * self.spacing
+
+    @property
+    def hands(self) -> np.ndarray:
+        """Centre (nodes, 3) of every cell: x, y, z."""
+        z, y, x = np.meshgrid(*(self.centres,) * 3, indexing="ij")
+        return np.stack([x, y, z], axis=-1).reshape(-1, 3)
 
     @property
     def hand(self) -> tuple[float, float, float]:
@@ -61,12 +94,22 @@ class HandLattice(Cube):
         z, y, x = (self.centres[i] for i in np.unravel_index(node, self.shape))
         return float(x), float(y), float(z)
 
-    def nodes_for(self, scene: Scene) -> PulledNodes:
+    def in_world(self, points: np.ndarray) -> np.ndarray:
+        """Points (..., 3) of the lattice's frame, in the world."""
+        base = self.arm.base
+        return np.asarray(points) @ rotation_of(base.rotation).T + np.array(base.origin)
+
+    def in_base(self, points: np.ndarray) -> np.ndarray:
+        """Points (..., 3) of the world, in the lattice's frame."""
+        base = self.arm.base
+        return (np.asarray(points) - np.array(base.origin)) @ rotation_of(base.rotation)
+
+    def nodes_for(self, scene: Scene) -> Nodes:
         """Return the nodes for a front, without postures yet."""
-        count, dof = self.size, self.arm.dof
+        count, dof = self.size, len(self.arm.joints)
         weights = np.asarray(scene.limits.joint_speed, dtype=float) ** 2
-        return PulledNodes(
-            OnePosture(scene.limb, 1),
+        return Nodes(
+            scene.limb,
             self.n,
             self.spacing,
             np.empty((count, dof)),
@@ -81,25 +124,13 @@ class HandLattice(Cube):
             np.empty(dof),
         )
 
-    def found_in(self, nodes: PulledNodes) -> np.ndarray:
+    def found_in(self, nodes: Nodes) -> np.ndarray:
         """Return the postures (nodes, dof) that a front found; NaN where it never came."""
         return np.where((nodes.known > 0)[:, None], nodes.joints, np.nan)
 
-    def start(self, scene: Scene) -> tuple[np.ndarray, np.ndarray]:
-        """Cells about the hand (k,), and times (k,) before which it is not there [s]."""
-        nodes = self.nodes_near(np.array(self.hand), 1.0)
-        return nodes, np.zeros(len(nodes))
-
-
-@lru_cache(maxsize=2)
-def hand_lattice_of(arm: Chain, n: int, postures: int = 1) -> HandLattice:
-    """Return the lattice of an arm's hand-space.
-
-    Raises
-    ------
-    LatticeError
-        If the number of postures is not 1.
-    """
-    if postures != 1:
-        raise LatticeError(f"{postures} postures: a cell of a chain has 1")
-    return HandLattice(arm, n)
+    def start(self) -> np.ndarray:
+        """Return the cells (k,) about the hand at t = 0."""
+        near = [np.flatnonzero(np.abs(self.centres - c) < self.spacing) for c in self.hand]
+        index = np.stack(np.meshgrid(*near[::-1], indexing="ij"), axis=-1).reshape(-1, 3)
+        cells: np.ndarray = index @ np.array([self.n**2, self.n, 1])
+        return cells

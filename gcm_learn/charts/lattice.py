@@ -26,7 +26,6 @@ class Lattice(Chart):
     draws them in place.
     """
 
-    kind: ClassVar[Kind] = PLANAR
     half_diagonal: ClassVar[float] = 0.71
     n: int = 80
     """Cells along a side; 80 in the paper."""
@@ -42,6 +41,11 @@ class Lattice(Chart):
             )
         if self.elbow not in SIDE:
             raise LatticeError(f"elbow must be 'right' or 'left', got {self.elbow!r}")
+
+    @property
+    def kind(self) -> Kind:
+        """PLANAR."""
+        return PLANAR
 
     @property
     def reach(self) -> float:

@@ -7,6 +7,7 @@ from gcm_learn.maps.build import (
     static_twin as static_twin,
 )
 from gcm_learn.maps.cognitive_map import (
+    IN_SPACE as IN_SPACE,
     MAPS as MAPS,
     CognitiveMap as CognitiveMap,
     Interception as Interception,

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from gcm_learn.arms import CHAIN, PLANAR, SPATIAL, Base, ByKind, Chain, SpatialArm
-from gcm_learn.charts import Chart, HandLattice, Lattice, PostureLattice, lattice_of
+from gcm_learn.charts import Chart, HandLattice, Lattice, lattice_of
 from gcm_learn.errors import FileFormatError
 from gcm_learn.situation import arm_from_json, arm_to_json
 from gcm_learn.storage import whole_file
@@ -44,13 +44,15 @@ def _lattice(header: dict[str, Any]) -> Lattice:
     return Lattice(header["n"], header["upper_arm"], header["elbow"])
 
 
-def _space_header(chart: PostureLattice) -> dict[str, Any]:
-    return {"n": chart.n, "postures": chart.postures, "arm": asdict(chart.arm)}
+def _space_header(chart: HandLattice) -> dict[str, Any]:
+    return {"n": chart.n, "arm": asdict(chart.arm)}
 
 
-def _space(header: dict[str, Any]) -> PostureLattice:
+def _space(header: dict[str, Any]) -> HandLattice:
+    if "postures" in header:
+        raise FileFormatError("postures: the map is over another lattice, which is no longer read")
     arm = header["arm"] | {"base": Base(**header["arm"]["base"])}
-    return PostureLattice(SpatialArm(**arm), header["n"], header["postures"])
+    return HandLattice(SpatialArm(**arm), header["n"])
 
 
 def _chain_header(chart: HandLattice) -> dict[str, Any]:
@@ -158,7 +160,7 @@ class CognitiveMap:
     """(...) int: node from which the front came to another, -1 where it set out. None over a
     lattice in the plane, on which the gradient says it."""
     joints: np.ndarray | None = None
-    """(nodes, dof) float: postures that the front found; None over charts with a rule for them."""
+    """(nodes, dof) float: postures that the front found, NaN elsewhere; None in the plane."""
 
     def __post_init__(self) -> None:
         shape = self.chart.shape
@@ -196,9 +198,8 @@ class CognitiveMap:
 
     def postures(self, nodes: np.ndarray) -> np.ndarray:
         """Return the postures (m, dof) of some nodes (m,), of an arm that moves in its joints."""
-        chart: Any = self.chart
-        found: np.ndarray = chart.joints_at(nodes) if self.joints is None else self.joints[nodes]
-        return found
+        assert self.joints is not None
+        return self.joints[nodes]
 
     def save(self, path: str | Path) -> Path:
         """Write a map over a lattice to an .npz file (whole or not at all); returns its path."""

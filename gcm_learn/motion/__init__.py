@@ -1,6 +1,5 @@
 """Timed movement: trajectories, timing under limits, interception, verification."""
 
-from gcm_learn.motion.acceleration import braked as braked
 from gcm_learn.motion.as_obstacles import as_obstacles as as_obstacles
 from gcm_learn.motion.clearance import RESOLUTION as RESOLUTION, clearance as clearance
 from gcm_learn.motion.failures import Failure as Failure, Reason as Reason
@@ -28,7 +27,7 @@ from gcm_learn.motion.rules import (
     rules_of as rules_of,
     start_clearance as start_clearance,
 )
-from gcm_learn.motion.stopping import with_stop as with_stop
+from gcm_learn.motion.stopping import braked as braked, with_stop as with_stop
 from gcm_learn.motion.timing import (
     SPACING as SPACING,
     keep_limits as keep_limits,

@@ -37,6 +37,8 @@ INSTANT = 1e-6
 """Times of braking are whole multiples [s]."""
 PIECES = 24
 """Of a stop that is linear between samples."""
+_NO_ROOM = 1e-7  # at the end of its range a joint stops within this [rad]
+_AT_ONCE = 1e-9  # what stops sooner rests, and what stops this much apart stops together [s]
 NAME = "(place of the stop)"
 """Name of the target of verification."""
 
@@ -214,3 +216,34 @@ def _goal(situation: AnySituation, hand: np.ndarray) -> Body:
         plane = situation.plane
         hand = np.array(plane.origin) + np.array([plane.x, plane.y]).T @ hand
     return Body("target", NAME, Sphere(size), SolidQuadratic(tuple(hand), *2 * ((0.0,) * 3,)))
+
+
+def braked(plan: Movement, limits: np.ndarray) -> Movement:
+    """Return a movement that goes on after its end until each joint rests, as soon as it can.
+
+    A joint that would leave its range loses the rest of its speed at the end: it brakes harder than
+    the limits.  A movement that is linear between samples knows no accelerations, and stops at its
+    end.
+
+    Parameters
+    ----------
+    plan : Movement
+    limits : (dof,) ndarray
+        Of the accelerations [rad/s^2].
+    """
+    if plan.rates is None:
+        return plan
+    rates, (low, high) = plan.rates[-1], np.array(plan.arm.joint_range).T
+    room = np.where(rates > 0.0, high - plan.joints[-1], plan.joints[-1] - low)
+    most = np.maximum(limits, rates**2 / (2.0 * np.maximum(room, _NO_ROOM)))
+    stops = np.abs(rates) / most
+    time = np.sort(stops[stops > _AT_ONCE])
+    time = time[np.append(np.diff(time) > _AT_ONCE, True)] if time.size else time
+    passed = np.minimum(time[:, None], stops)
+    force = -np.sign(rates) * most
+    return Movement(
+        plan.arm,
+        np.append(plan.time, plan.duration + time),
+        np.vstack([plan.joints, plan.joints[-1] + passed * (rates + 0.5 * force * passed)]),
+        np.vstack([plan.rates, rates + force * passed]),
+    )

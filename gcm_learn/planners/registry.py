@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, TypeVar, cast, overload
 from weakref import WeakValueDictionary
 
-from gcm_learn.arms import CHAIN, PLANAR, SPATIAL, ByKind, SpatialArm
+from gcm_learn.arms import PLANAR, SPATIAL, ByKind, SpatialArm
 from gcm_learn.errors import UnknownNameError
 from gcm_learn.planners.by_arm import ByArm
 from gcm_learn.planners.names import all_planner_names, is_registered
@@ -20,13 +20,7 @@ from gcm_learn.situation import AnySituation, Situation
 _PLANNERS: dict[str, str | ByKind[str]] = {
     "gcm": "fronts:gcm",
     "layered": "layered_front:layered",
-    "marching": ByKind(
-        {
-            PLANAR: "fronts:marching",
-            SPATIAL: "joints.marching:posture_marching",
-            CHAIN: "joints.marching:hand_marching",
-        }
-    ),
+    "marching": ByKind({PLANAR: "fronts:marching"}, default="joints.marching:HandMarching"),
     "oracle": "oracle.bounds:OraclePlanner",
     "potential": "baselines.potential:PotentialPlanner",
     "search": ByKind(

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import itertools
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
 
-from gcm_learn.charts import Cube, Lattice, Nodes, PulledNodes, hand_space, ring_leap
+from gcm_learn.charts import HandLattice, Lattice, hand_space
 from gcm_learn.collision import WORK, desk_of
 from gcm_learn.motion import fastest_hand
 from gcm_learn.scene import Scene
@@ -25,7 +24,6 @@ from gcm_learn.wave.limits import fastest_in_plane, hand_of, postures, terms_of,
 from gcm_learn.wave.params import MarchingParams
 from gcm_learn.wave.plane import Plane, closed_rim
 
-_ASKS: dict[type, Any] = {Nodes: steps.Ask, PulledNodes: steps.PulledAsk}
 SHORTEST = 0.03  # resolution of times in space, in steps of the hand
 STATES_PER_CELL = 4  # capacity for sheets; most cells need one
 
@@ -94,24 +92,20 @@ def march_layers_in_plane(
 
 def march_in_space(
     scene: Scene,
-    chart: Cube,
+    chart: HandLattice,
     params: MarchingParams,
     *,
     ignore: float = 0.0,
     widening: np.ndarray | None = None,
 ) -> Front:
-    """Map arrivals over cells and postures in space.
-
-    The front over a chain's cells keeps the postures that it finds.
-    """
+    """Map arrivals over cells in space; the front keeps the postures that it finds."""
     ask, count = _ask(scene, chart, params, ignore, widening), chart.size
     field = steps.Field(
         np.full(count, steps.NEVER),
         np.zeros(count, np.uint8),
         np.zeros(count, np.uint8),
-        np.empty(count, np.float32),
     )
-    node, body, time, accepted = space.march(ask, chart.start(scene), field)
+    node, body, time, accepted = space.march(ask, chart.start(), field)
     via = np.empty(count, np.int32)
     space.finish(ask, field, via)
     return first_arrivals(
@@ -129,19 +123,18 @@ def march_in_space(
 
 def _ask(
     scene: Scene,
-    chart: Cube,
+    chart: HandLattice,
     params: MarchingParams,
     ignore: float,
     widening: np.ndarray | None,
-) -> Any:
+) -> steps.Ask:
     """Bind a scene and a lattice for marching in space."""
     dof = len(scene.limb.start)
     fast, desk = float(fastest_hand(scene)), desk_of(scene)
     desk.budget[0] = WORK
-    nodes = chart.nodes_for(scene)
-    return _ASKS[type(nodes)](
+    return steps.Ask(
         scene,
-        nodes,
+        chart.nodes_for(scene),
         _pace(scene, chart, fast),
         terms_of(scene, chart, params, 1.0, ignore, fast)._replace(
             shortest=SHORTEST * chart.spacing / fast
@@ -149,26 +142,20 @@ def _ask(
         desk,
         np.empty(0) if widening is None else widening,
         params.margin,
-        space.fastest_obstacle(scene),
         np.empty(dof),
         np.empty(dof),
     )
 
 
-def _pace(scene: Scene, chart: Cube, fast: float) -> steps.Pace:
+def _pace(scene: Scene, chart: HandLattice, fast: float) -> steps.Pace:
     """Bind the times of steps, with a hand that is nowhere faster than `fast`."""
     offsets = np.array([d for d in itertools.product((-1, 0, 1), repeat=3) if any(d)])
-    hops = np.append(np.linalg.norm(offsets, axis=1), [0.0, 0.0]) * chart.spacing
-    ahead = offsets @ np.array([chart.n**2, chart.n, 1]) * chart.postures
-    hand = np.maximum(hops, chart.spacing) / fast
     return steps.Pace(
         (1.0 / scene.limits.joint_speed).astype(np.float32),
         offsets,
-        ahead,
-        hops,
-        hand.astype(np.float32),
+        offsets @ np.array([chart.n**2, chart.n, 1]),
+        np.linalg.norm(offsets, axis=1) * chart.spacing,
         np.float32(fast / chart.spacing),  # type: ignore[arg-type]
-        np.float32(ring_leap(chart.postures)),  # type: ignore[arg-type]
     )
 
 

@@ -1,4 +1,4 @@
-"""Postures that a front finds on its way: the rule of postures of chains.
+"""Postures that a front finds on its way.
 
 A cell has the posture of the cell that the front came from, pulled to the place of this one.  Of
 all turns of the joints that bring the hand there it is the one of least size, in units of the
@@ -12,7 +12,6 @@ from __future__ import annotations
 import numpy as np
 
 from gcm_learn.arms.limbs import dof, hand_of, jacobian, place
-from gcm_learn.charts.posture_lattice import hand_of_node
 from gcm_learn.collision.postures import distance_at, move_is_free
 from gcm_learn.compiled import njit
 from gcm_learn.wave.buckets import put
@@ -23,6 +22,7 @@ from gcm_learn.wave.posture_steps import (
     NEVER,
     OPEN,
     START,
+    hand_of_node,
     home_of,
     neighbour,
 )
@@ -39,7 +39,7 @@ def _write_turns(nodes, weights, q, turns):
 
     Least in units of the joints' speeds, whose squares are `weights`; damped.
     """
-    limb, slopes = nodes.rule.limb, nodes.slopes
+    limb, slopes = nodes.limb, nodes.slopes
     jacobian(limb, q, slopes)
     a, b, c, d, e, f = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for j in range(q.size):
@@ -61,7 +61,7 @@ def _write_turns(nodes, weights, q, turns):
 @njit(_nrt=False)
 def _turn(nodes, q, way):
     """Turn joints q (dof,) for a way of the hand; a joint at an end of its range is held."""
-    limb, held, turns = nodes.rule.limb, nodes.held, nodes.turned
+    limb, held, turns = nodes.limb, nodes.held, nodes.turned
     for j in range(q.size):
         held[j] = nodes.weights[j]
     for _ in range(3):
@@ -91,7 +91,7 @@ def _pull(nodes, node, q):
     there : bool
         Whether it is in the cell.
     """
-    limb, h = nodes.rule.limb, nodes.spacing
+    limb, h = nodes.limb, nodes.spacing
     cx, cy, cz = hand_of_node(nodes, node)
     x, y, z = hand_of(limb, place(limb, q))
     for _ in range(ROUNDS):
@@ -110,7 +110,7 @@ def _pull_from(nodes, home, node):
 
     They are in ``nodes.pulled``; returned is what `_pull` returns.
     """
-    limb, q = nodes.rule.limb, nodes.pulled
+    limb, q = nodes.limb, nodes.pulled
     for j in range(dof(limb)):
         q[j] = limb.start[j] if home < 0 else nodes.joints[home, j]
     if home >= 0:
@@ -126,7 +126,7 @@ def _pull_from(nodes, home, node):
 @njit(_nrt=False)
 def _arrival_by(ask, field, home, q, hand):
     """Return when joints q (dof,) can be there from a cell, or from the start, -1 [s]."""
-    nodes, limb, most = ask.nodes, ask.nodes.rule.limb, 0.0
+    nodes, limb, most = ask.nodes, ask.nodes.limb, 0.0
     if home < 0:
         for j in range(q.size):
             most = max(most, abs(q[j] - limb.start[j]) * ask.pace.slowness[j])
@@ -191,7 +191,7 @@ def _comes_earlier(ask, field, home, node, code):
 
 
 @njit(_nrt=False)
-def time_pulled(ask, node, other, code):
+def time_of_step(ask, node, other, code):
     """Time of a step from a cell to another, as the derivative of its posture has it [s]."""
     nodes, pace = ask.nodes, ask.pace
     cx, cy, cz = hand_of_node(nodes, other)
@@ -204,19 +204,19 @@ def time_pulled(ask, node, other, code):
 
 
 @njit(_nrt=False)
-def offer_pulled(ask, field, node, bucket, queue):
-    """Offer the front of an accepted cell to its neighbours; see `posture_marching.offer`.
+def offer(ask, field, node, bucket, queue):
+    """Offer the front of an accepted cell to its neighbours.
 
     A neighbour that waits with a posture of its own gives it up only for an earlier arrival.
     """
     nodes, pace, now, arrival = ask.nodes, ask.pace, field.arrival[node], field.arrival
-    place(nodes.rule.limb, nodes.joints[node])
+    place(nodes.limb, nodes.joints[node])
     _write_turns(nodes, nodes.weights, nodes.joints[node], nodes.turns[node])
     for code in range(NEIGHBOURS):
         other = neighbour(nodes, pace, node, code)
         if other < 0 or field.state[other] != OPEN:
             continue
-        old, time = arrival[other], now + time_pulled(ask, node, other, code)
+        old, time = arrival[other], now + time_of_step(ask, node, other, code)
         if time >= old:
             continue
         if nodes.known[other] == field.via[other] + 1 and old < NEVER:
@@ -230,14 +230,14 @@ def offer_pulled(ask, field, node, bucket, queue):
 
 
 @njit(_nrt=False)
-def judge_pulled(ask, field, node):
-    """Return the new state of a cell to which the front has come; see `posture_marching.judge`.
+def judge(ask, field, node):
+    """Return the new state of a cell to which the front has come: ACCEPTED, or OPEN.
 
     A cell in which a front froze stays open for those that come later from other cells, in other
     postures.
     """
     nodes, scene, now, code = ask.nodes, ask.scene, field.arrival[node], field.via[node]
-    home, limb, since = home_of(nodes, ask.pace, node, code), nodes.rule.limb, np.float32(0.0)
+    home, limb, since = home_of(nodes, ask.pace, node, code), nodes.limb, np.float32(0.0)
     if home >= 0:
         since = field.arrival[home]
     for j in range(dof(limb)):
@@ -254,9 +254,3 @@ def judge_pulled(ask, field, node):
     if nodes.refused[node] < 0.0 and distance_at(scene, ask.far, now, ask.desk) <= touch:
         nodes.refused[node] = now
     return OPEN
-
-
-@njit(_nrt=False, forceinline=True)
-def refused_pulled(ask, node):
-    """Return when the first front froze in a cell [s], negative if none did."""
-    return ask.nodes.refused[node]

@@ -6,13 +6,11 @@ import numpy as np
 import pytest
 
 from gcm_learn.charts import (
+    LARGEST_HAND_LATTICE,
     LARGEST_LATTICE,
-    LARGEST_POSTURE_LATTICE,
-    MOST_POSTURES,
     SMALLEST_LATTICE,
     HandLattice,
     Lattice,
-    PostureLattice,
     chart_of,
     lattice_of,
 )
@@ -35,8 +33,7 @@ CHARTS = {
     "short arm": Lattice(33, 0.6),
     "paper's arm": Lattice(33, 1.0),
     "long arm": Lattice(33, 1.7),
-    "space": PostureLattice(SPACE.arm, 17),
-    "postures": PostureLattice(SPACE.arm, 16, 3),
+    "space": HandLattice(SPACE.arm, 17),
     "chain": HandLattice(LINKS.arm, 16),
 }
 
@@ -62,24 +59,22 @@ def test_a_contact_reaches_the_corners_of_a_cell(chart):
 
 
 @pytest.mark.parametrize(
-    ("sizes", "most"),
+    ("subject", "n", "most"),
     [
-        ((SMALLEST_LATTICE - 1,), LARGEST_LATTICE),
-        ((LARGEST_LATTICE + 1,), LARGEST_LATTICE),
-        ((4, 1), LARGEST_POSTURE_LATTICE),
-        ((LARGEST_POSTURE_LATTICE + 1, 1), LARGEST_POSTURE_LATTICE),
-        ((20, 0), MOST_POSTURES),
-        ((20, MOST_POSTURES + 1), MOST_POSTURES),
+        (PLANE, SMALLEST_LATTICE - 1, LARGEST_LATTICE),
+        (PLANE, LARGEST_LATTICE + 1, LARGEST_LATTICE),
+        (SPACE, SMALLEST_LATTICE - 1, LARGEST_HAND_LATTICE),
+        (LINKS, LARGEST_HAND_LATTICE + 1, LARGEST_HAND_LATTICE),
     ],
 )
-def test_absurd_sizes_are_refused_with_the_numbers(sizes, most):
+def test_absurd_sizes_are_refused_with_the_numbers(subject, n, most):
     with pytest.raises(LatticeError, match=rf"outside \d+\.\.{most}"):
-        Lattice(*sizes) if len(sizes) == 1 else PostureLattice(SPACE.arm, *sizes)
+        chart_of(subject, n)
 
 
 def test_the_kind_of_arm_chooses_the_chart():
     assert chart_of(PLANE, 20) == Lattice(20, PLANE.arm.upper_arm, PLANE.arm.elbow)
-    assert chart_of(SPACE.arm, 20) == PostureLattice(SPACE.arm, 20)
+    assert chart_of(SPACE.arm, 20) == HandLattice(SPACE.arm, 20)
     assert lattice_of(chart_of(PLANE.arm, 20)).kind is chart_of(PLANE, 20).kind
     with pytest.raises(ArmKindError, match="does not take spatial arms"):
         lattice_of(chart_of(SPACE, 20))

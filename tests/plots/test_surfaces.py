@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from gcm_learn.arms import forward_in_space
-from gcm_learn.charts import PostureLattice, cell_clearances
-from gcm_learn.maps import CognitiveMap, Interception
+from gcm_learn.charts import cell_clearances
+from gcm_learn.maps import CognitiveMap, Interception, build_map
 from gcm_learn.plots import style
 from gcm_learn.plots.figures import hand_ball
 from gcm_learn.plots.figures.surfaces import softened, surface
 from gcm_learn.rendering import normals, turned_view, view_of
 from gcm_learn.situation import arm_frame, read_situations
+from gcm_learn.wave import MarchingParams
 from tests.rendering.test_rendering import near, turning
 from tests.spatial import EXAMPLES
 
@@ -58,17 +61,20 @@ def case():
     """A situation, and a map as a front would leave it that nothing delays."""
     situation = read_situations(EXAMPLES)[7]
     arm = situation.arm
-    chart = PostureLattice(arm, N)
+    free = replace(situation, bodies=situation.targets, horizon=3.0)
+    found = build_map(free, MarchingParams(n=40, margin=0.0, until="horizon"))
+    chart, joints = found.chart, found.joints
     axes, origin = arm_frame(situation)
     hand = (forward_in_space(arm, arm.joints)[1] - origin) @ axes.T
     away = np.linalg.norm(chart.hands - hand, axis=1).reshape(chart.shape)
-    shut = cell_clearances(situation, chart, 0.0) < 0.1
-    open_ = chart.inside.reshape(chart.shape) & ~shut
+    shut = cell_clearances(situation, chart, 0.0, joints) < 0.1
+    open_ = np.isfinite(joints[:, 0]).reshape(chart.shape) & ~shut
     target = axes @ (np.asarray(situation.targets[0].motion.position) - origin)
     met = Interception(chart.cell_of(target), tuple(target), 0.4, "ball")
     arrival = np.ma.masked_array(away / 4.0, mask=~open_)
     nothing = np.zeros(chart.shape, dtype=bool)
-    return situation, CognitiveMap(chart, tuple(hand), arrival, shut, nothing, met, 1 / 400, "wave")
+    rest = met, 1 / 400, "marching", None, None, joints
+    return situation, CognitiveMap(chart, tuple(hand), arrival, shut, nothing, *rest)
 
 
 def test_places_of_a_lattice_are_those_of_its_hands(case):
@@ -82,15 +88,16 @@ def test_places_of_a_lattice_are_those_of_its_hands(case):
 
 
 def test_extended_obstacles_look_outward_and_hold_what_is_touched(case):
-    situation, _ = case
-    faces = hand_ball.extended_faces(situation, 0.0)
+    situation, cognitive_map = case
+    faces = hand_ball.extended_faces(situation, 0.0, cognitive_map)
     a, b = faces.corners[:, 2] - faces.corners[:, 0], faces.corners[:, 3] - faces.corners[:, 1]
     areas = np.cross(a, b)
     outward = (areas[:, None] * faces.normals).sum(axis=-1)[np.linalg.norm(areas, axis=1) > 1e-9]
     assert np.mean(outward > 0.0) > 0.98
     volume = (faces.corners.mean(axis=1) * areas).sum() / 6
-    chart = PostureLattice(situation.arm, hand_ball.COARSE)
-    touched = (cell_clearances(situation, chart, 0.0) < 0.0).sum() * chart.spacing**3
+    chart = cognitive_map.chart
+    rooms = cell_clearances(situation, chart, 0.0, cognitive_map.joints)
+    touched = (rooms < 0.0).sum() * chart.spacing**3
     assert volume == pytest.approx(touched, rel=0.2)
 
 

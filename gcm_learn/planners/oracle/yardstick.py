@@ -23,7 +23,7 @@ from gcm_learn.planners.baselines.potential import PotentialPlanner
 from gcm_learn.planners.baselines.st_rrt_star import STRRTStarPlanner
 from gcm_learn.planners.baselines.straight import StraightPlanner, StraightWaitPlanner
 from gcm_learn.planners.completion import SpatialProblem, checked
-from gcm_learn.planners.joints.marching import posture_marching
+from gcm_learn.planners.joints.marching import HandMarching
 from gcm_learn.planners.joints.moves import Study, study_of, time_of
 from gcm_learn.planners.joints.straight import any_straight, attempt_along
 from gcm_learn.planners.joints.tree_search import search_in_space
@@ -144,8 +144,7 @@ def _methods(
     yield "search", lambda: search_in_space().plan(situation)
     patient = search_in_space(effort=EFFORT)
     yield "search, patient", lambda: patient.plan(situation)
-    many = posture_marching((1, 8, 16))
-    yield "marching", lambda: many.plan(situation)
+    yield "marching", lambda: HandMarching().plan(situation)
     if trees_ms <= 0.0:
         return
     try:

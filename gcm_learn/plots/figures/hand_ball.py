@@ -17,7 +17,7 @@ from matplotlib.patches import Circle, Patch
 from scipy.ndimage import map_coordinates, maximum_filter, minimum_filter
 
 from gcm_learn.arms import hands_along, rotation_of
-from gcm_learn.charts import Cube, cell_clearances, chart_of
+from gcm_learn.charts import HandLattice, cell_clearances
 from gcm_learn.maps import CognitiveMap
 from gcm_learn.plots.figures import style
 from gcm_learn.plots.figures.maps import CONTOUR_STEP
@@ -40,7 +40,6 @@ from gcm_learn.situation import Sphere
 if TYPE_CHECKING:
     from gcm_learn.motion import Movement
 
-COARSE = 40  # cells a side of the lattice for drawn extended obstacles
 GLASSY, CLEAR, VEILED = 0.5, 0.3, 0.35  # alphas of extended obstacles, front, what is cut off
 POINT = 0.045  # [reaches] radius of the hand's ball
 CUT = 260  # cells a side of a cut
@@ -50,12 +49,12 @@ MOST_RINGS = 10
 SHELL = 0.15  # level at which softened effective obstacles, one cell thin, are drawn
 
 
-def places_of(chart: Cube, index: np.ndarray) -> np.ndarray:
+def places_of(chart: HandLattice, index: np.ndarray) -> np.ndarray:
     """Places (..., 3) in the world of indices [iz, iy, ix] (..., 3) of a lattice."""
     return chart.in_world((index[..., ::-1] - 0.5 * (chart.n - 1)) * chart.spacing)
 
 
-def skin(chart: Cube, field: np.ndarray, level: float, colour: str, alpha: float) -> Faces:
+def skin(chart: HandLattice, field: np.ndarray, level: float, colour: str, alpha: float) -> Faces:
     """The surface on which a field over a lattice has a level."""
     corners, normal = surface(field, level)
     # reversing the indices mirrors, so that the order of corners turns round
@@ -65,16 +64,11 @@ def skin(chart: Cube, field: np.ndarray, level: float, colour: str, alpha: float
 
 
 def extended_faces(
-    situation: JointSituation, t: float, alpha: float = GLASSY, known: CognitiveMap | None = None
+    situation: JointSituation, t: float, cognitive_map: CognitiveMap, alpha: float = GLASSY
 ) -> Faces:
-    """Extended obstacles at time t [s]: hands whose limb touches an obstacle.
-
-    Of a `known` map whose front found its postures, they are shown for these.
-    """
-    joints = None if known is None else known.joints
-    chart = cast("Cube", chart_of(situation, COARSE))
-    if known is not None and joints is not None:
-        chart = _chart(known)
+    """Extended obstacles at time t [s]: hands whose limb, in its posture, touches an obstacle."""
+    chart, joints = _chart(cognitive_map), cognitive_map.joints
+    assert joints is not None
     rooms = cell_clearances(cast("Any", situation), chart, t, joints)
     room = np.clip(rooms, -chart.spacing, 2.0 * chart.spacing)
     return skin(chart, softened(room), 0.0, style.EXTENDED, alpha)
@@ -100,7 +94,7 @@ def effective_skin(cognitive_map: CognitiveMap, most: int) -> tuple[np.ndarray, 
     Parameters
     ----------
     cognitive_map : CognitiveMap
-        Over a `Cube`.
+        Over a `HandLattice`.
     most : int
         Cells a side of which it is made, at most.
 
@@ -123,14 +117,14 @@ def effective_skin(cognitive_map: CognitiveMap, most: int) -> tuple[np.ndarray, 
 
 def fills_ball(cognitive_map: CognitiveMap | None) -> bool:
     """Return whether there is a map of the hand's places in space, so that it can be drawn."""
-    return cognitive_map is not None and isinstance(cognitive_map.chart, Cube)
+    return cognitive_map is not None and isinstance(cognitive_map.chart, HandLattice)
 
 
-def _chart(cognitive_map: CognitiveMap) -> Cube:
+def _chart(cognitive_map: CognitiveMap) -> HandLattice:
     if not fills_ball(cognitive_map):
         over = type(cognitive_map.chart).__name__
-        raise TypeError(f"this map is over a {over}, not over a Cube")
-    return cast("Cube", cognitive_map.chart)
+        raise TypeError(f"this map is over a {over}, not over a HandLattice")
+    return cast("HandLattice", cognitive_map.chart)
 
 
 def first_arrival(cognitive_map: CognitiveMap) -> np.ndarray:
@@ -293,7 +287,7 @@ class HandSpace:
     situation : Situation
         With an arm that moves in its joints.
     cognitive_map : CognitiveMap
-        Over a `Cube`.
+        Over a `HandLattice`.
     trajectory : Movement, optional
     view : Camera
         Of the work-space beside it.
@@ -324,7 +318,7 @@ class HandSpace:
     def world_at(self, t: float, moved: float = 0.0) -> list[Faces]:
         """Extended obstacles and targets at time t [s], and the hand at another."""
         return [
-            extended_faces(self.situation, t, known=self.map),
+            extended_faces(self.situation, t, self.map),
             hand_ball(self.situation, self._hand(moved)),
             *body_faces(self.situation, t, roles=("target",)),
         ]

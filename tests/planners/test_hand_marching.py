@@ -1,4 +1,4 @@
-"""Planners of chains that make maps: what they catch, what they show, what they refuse."""
+"""Marching in space: what it catches, what it shows, what it refuses."""
 
 from __future__ import annotations
 
@@ -9,11 +9,13 @@ import numpy as np
 import pytest
 
 from gcm_learn import solve
-from gcm_learn.planners.joints.marching import hand_marching
+from gcm_learn.families import paper_scene
+from gcm_learn.planners.joints.marching import HandMarching
 from gcm_learn.plots import plan_figure
-from gcm_learn.situation import situation_from_json
-from gcm_learn.wave import MarchingParams
+from gcm_learn.situation import read_situations, situation_from_json
 from tests.chains import COUNT, drawn
+from tests.judging import judge
+from tests.spatial import EXAMPLES
 
 pytestmark = pytest.mark.slow  # compiles a march for chains
 
@@ -58,8 +60,27 @@ def test_limits_of_acceleration_are_refused_in_one_line(caught):
 
 def test_more_lattices_catch_more():
     situations = [situation_from_json(drawn("panda", k)) for k in range(COUNT)]
-    planner = hand_marching()
-    one = replace(planner, levels=((MarchingParams(n=16, margin=0.0, until="horizon"), 1),))
+    planner, one = HandMarching(), HandMarching((16,))
     first = {s.name for s in situations if one.plan(s).caught}
     assert first <= {s.name for s in situations if planner.plan(s).caught}
     assert len(first) >= 3
+
+
+@pytest.mark.parametrize("name", ["fig5-space", "fig8-space"])
+def test_the_papers_scenes_without_their_plane_are_solved(name):
+    situation = paper_scene(name)
+    plan = solve(situation, "marching")
+    assert plan.caught and judge(situation, plan) == []
+    # the obstacle has bent the front
+    assert plan.map is not None and plan.map.effective_obstacles.sum() > 20
+
+
+@pytest.mark.slow  # fifty situations
+def test_catches_of_spatial_arms_hold_and_are_frequent():
+    caught = 0
+    for situation in read_situations(EXAMPLES):
+        plan = solve(situation, "marching")
+        if plan.caught:
+            caught += 1
+            assert judge(situation, plan) == []
+    assert caught >= 20
