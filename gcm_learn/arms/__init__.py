@@ -59,12 +59,9 @@ from gcm_learn.arms.spatial import (
     SpatialArm as SpatialArm,
 )
 from gcm_learn.arms.spatial_limb import (
-    SpatialLimb as SpatialLimb,
     forward_in_space as forward_in_space,
-    spatial_limb_of as spatial_limb_of,
-)
-from gcm_learn.arms.swivels import (
     inverse_in_space as inverse_in_space,
+    spatial_limb_of as spatial_limb_of,
     swivel_in_space as swivel_in_space,
 )
 

@@ -50,6 +50,17 @@ def line_of(tree, k):
     return (k, 1.0, 0.0) if tree is None else (tree.leaders[k], tree.lines[k, 0], tree.lines[k, 1])
 
 
+@njit(_nrt=False, forceinline=True)
+def point_on(frames, carriers, ends, m):
+    """First end (3) of link m, by the frames."""
+    k, u, v, w = carriers[m], ends[m, 0], ends[m, 1], ends[m, 2]
+    return (
+        frames[k, 9] + frames[k, 0] * u + frames[k, 1] * v + frames[k, 2] * w,
+        frames[k, 10] + frames[k, 3] * u + frames[k, 4] * v + frames[k, 5] * w,
+        frames[k, 11] + frames[k, 6] * u + frames[k, 7] * v + frames[k, 8] * w,
+    )
+
+
 @njit(_nrt=False)
 def place_links(carriers, ends, frames, out, balls):
     """Write ends and balls of links, and last the hand's point and axis, by the frames."""

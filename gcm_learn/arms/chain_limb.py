@@ -23,12 +23,14 @@ from gcm_learn.arms.chain_frames import (
     moving,
     place_frames,
     place_links,
+    point_on,
     sweep_links,
     travel_of,
 )
 from gcm_learn.arms.curves import on_curve, rate_of
 from gcm_learn.arms.link_gaps import nearest_pair
 from gcm_learn.arms.rotations import rotation_of
+from gcm_learn.arms.swivels import inverse, sweep_bones, travel_of_bones
 from gcm_learn.compiled import njit
 
 POINT, AXIS = 0, 3  # columns of `ChainLimb.reaches`
@@ -60,6 +62,7 @@ class ChainLimb(NamedTuple):
     turns: np.ndarray  # (k,): how far joints turn; written by `swept`
     paces: np.ndarray  # (k,): rates of joints per share of a move; written by `swept`
     tree: Tree | None  # branches and followers, if there are any
+    solved: np.ndarray  # (0,), or the numbers of a closed-form inverse; see `swivels`
 
 
 @njit(_nrt=False, forceinline=True)
@@ -137,6 +140,9 @@ def still(limb):
 @njit(_nrt=False, forceinline=True)
 def swept(limb, curve, s, half, place):
     """Note how far points of each link travel from share s of a move to s +- half."""
+    if limb.solved.size > 0:
+        sweep_bones(limb.solved, hand_of(limb, place), curve, s, half, limb.ways)
+        return 0
     sweep_links(
         limb.joints, limb.axes, limb.reaches, limb.carriers, curve, s, half, limb.turns,
         limb.paces, limb.ways, limb.tree,
@@ -154,9 +160,9 @@ def slack_of(limb, slack, i):
 def hand_rate(limb, curve, s, q):
     """Way of the hand per share of a move at share s; `q` (n,) gets the coordinates."""
     on_curve(curve, s, q)
-    place(limb, q)
+    place_frames(limb.joints, q, limb.frames, limb.axes, limb.tree)
     hand, vx, vy, vz = limb.radii.size, 0.0, 0.0, 0.0
-    x, y, z = hand_of(limb, 0)
+    x, y, z = point_on(limb.frames, limb.carriers, limb.ends, hand)
     for step in range(depth_of(limb.tree, limb.carriers, hand)):
         k = moving(limb.tree, hand, step)
         j, factor, _ = line_of(limb.tree, k)
@@ -169,6 +175,8 @@ def hand_rate(limb, curve, s, q):
 @njit(_nrt=False)
 def hand_travel(limb, q, p):
     """Bound how far the hand travels on the straight move from q to p (n,)."""
+    if limb.solved.size > 0:
+        return travel_of_bones(limb.solved, q, p)
     way = 0.0
     for k in range(limb.tails.size):
         way += abs(p[k] - q[k]) * limb.tails[k]
@@ -218,7 +226,11 @@ def lever(limb):
                 moved += abs(factor)
                 spun += abs(factor) if limb.joints[k, 0] == REVOLUTE else 0.0
         moves, spins = max(moves, moved), max(spins, spun)
-    return max(limb.reach, 1.0) * moves * spins * spins
+    far = limb.reach
+    for k in range(limb.joints.shape[0]):
+        if limb.joints[k, 0] == PRISMATIC:
+            far = max(far, 1.0)
+    return far * moves * spins * spins
 
 
 @njit(_nrt=False)
@@ -239,11 +251,14 @@ def axis_turns(limb, q, out):
 
 @njit(_nrt=False)
 def postures_at(limb, x, y, z, k, count, low, high, out):
-    """Write one posture between `low` and `high`: point k of an additive recurrence.
+    """Write the postures with swivel k of count; without a closed-form inverse, one posture.
 
-    There is no closed-form inverse; the posture has to be pulled to where the hand should be.  The
-    steps are powers of the root of x^(n+1) = x + 1 (M. Roberts, 2018), which fill a box evenly.
+    That is point k of an additive recurrence between `low` and `high`, and has to be pulled to
+    where the hand should be.  The steps are powers of the root of x^(n+1) = x + 1 (M. Roberts,
+    2018), which fill a box evenly.
     """
+    if limb.solved.size > 0:
+        return inverse(limb, x, y, z, 2.0 * np.pi * k / count, limb.start, out)
     n = limb.low.size
     ratio = 2.0
     for _ in range(20):
@@ -256,8 +271,8 @@ def postures_at(limb, x, y, z, k, count, low, high, out):
 
 @njit(_nrt=False)
 def inverts(limb):
-    """Return False: postures have to be pulled to where the hand should be."""
-    return False
+    """Return whether the inverse has a closed form; else postures have to be pulled."""
+    return limb.solved.size > 0
 
 
 @njit(_nrt=False)
@@ -330,6 +345,7 @@ def limb_of_chain(arm: Chain, bodies: tuple[str, ...] = ()) -> ChainLimb:
         turns=np.zeros(count),
         paces=np.zeros(count),
         tree=None if model.serial else _tree(model),
+        solved=np.empty(0),
     )
 
 

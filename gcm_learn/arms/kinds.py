@@ -11,7 +11,7 @@ from gcm_learn.arms.chain_limb import ChainLimb, limb_of_chain
 from gcm_learn.arms.planar import Arm
 from gcm_learn.arms.planar_limb import PlanarLimb, planar_limb_of
 from gcm_learn.arms.spatial import SpatialArm
-from gcm_learn.arms.spatial_limb import SpatialLimb, spatial_limb_of
+from gcm_learn.arms.spatial_limb import spatial_limb_of
 from gcm_learn.errors import ArmKindError, not_among
 
 Entry = TypeVar("Entry")
@@ -57,8 +57,8 @@ SPATIAL = Kind(
     "spatial",
     "spatial arms",
     SpatialArm,
-    SpatialLimb,
-    lambda arm, bodies: spatial_limb_of(arm),
+    ChainLimb,
+    spatial_limb_of,
     ("gcm-learn/situation@2", "gcm-learn/situation@3"),
 )
 CHAIN = Kind("chain", "chains", Chain, ChainLimb, limb_of_chain, ("gcm-learn/situation@3",))

@@ -12,9 +12,8 @@ from collections.abc import Callable
 from functools import wraps
 from typing import Any
 
-from gcm_learn.arms import chain_limb, spatial_limb, swivels
+from gcm_learn.arms import chain_limb
 from gcm_learn.arms.chain_limb import ChainLimb
-from gcm_learn.arms.spatial_limb import SpatialLimb
 from gcm_learn.compiled import by_type, register
 
 _FUNCTIONS: dict[str, Any] = {}
@@ -168,12 +167,4 @@ def inverts(limb):
     """Return whether `postures_at` puts the hand at the point; else its postures are a start."""
 
 
-register_limb(
-    SpatialLimb,
-    spatial_limb,
-    swivels,
-    place=spatial_limb.limb_at,
-    lever=spatial_limb.reach_of,
-    jacobian=spatial_limb.hand_jacobian,
-)
 register_limb(ChainLimb, chain_limb)

@@ -9,11 +9,8 @@ about the line from shoulder to hand.  It counts from the stereographic referenc
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from gcm_learn.arms.rotations import rotation_of
-from gcm_learn.arms.spatial import JOINTS, SpatialArm
-from gcm_learn.arms.spatial_limb import limb_at, spatial_limb_of
+from gcm_learn.arms.curves import turn_of
 from gcm_learn.compiled import njit
 
 BRANCHES = 4  # most ways in which four joints can hold elbow and hand where they are
@@ -21,23 +18,81 @@ SLACK = 1e-7  # of angles at the ends of their ranges, where they are put back [
 ROUNDING = 1e-9  # share of the reach by which a solution may miss its hand
 CLAMPED = 2e-7  # and its elbow, which at the rims is the root of a rounding error
 STRAIGHT = 1e-7  # share of the upper arm within which elbow, shoulder and hand are in one line
+UPPER, FORE, POLE, ZERO, RHO, LENGTH = 0, 3, 6, 9, 12, 13
+"""Places in `ChainLimb.solved`.
+
+Upper arm and forearm (3), each in its own bone's frame; the direction (3) of hands for which
+swivels are undefined; a direction (3) across, near which swivels are 0; the bones' lengths.
+"""
+
+
+@njit(_nrt=False)
+def bones_at(bones, q):
+    """Elbow and hand, six numbers, of upper arm and forearm (6,) at joints (4,)."""
+    ux, uy, uz = bones[UPPER], bones[UPPER + 1], bones[UPPER + 2]
+    fx, fy, fz = bones[FORE], bones[FORE + 1], bones[FORE + 2]
+    c1, s1, c2, s2 = np.cos(q[0]), np.sin(q[0]), np.cos(q[1]), np.sin(q[1])
+    c3, s3, c4, s4 = np.cos(q[2]), np.sin(q[2]), np.cos(q[3]), np.sin(q[3])
+    side = s4 * fx + c4 * fy
+    x, y = ux + c4 * fx - s4 * fy, uy + c3 * side - s3 * fz
+    z = uz + s3 * side + c3 * fz
+    ahead, there = c2 * ux - s2 * uy, c2 * x - s2 * y
+    return (
+        c1 * ahead + s1 * uz, s2 * ux + c2 * uy, c1 * uz - s1 * ahead,
+        c1 * there + s1 * z, s2 * x + c2 * y, c1 * z - s1 * there,
+    )  # fmt: skip
+
+
+@njit(_nrt=False, forceinline=True)
+def limb_at(limb, q):
+    """Elbow and hand, six numbers, of joints (4,)."""
+    return bones_at(limb.solved, q)
+
+
+@njit(_nrt=False)
+def sweep_bones(solved, hand, curve, s, half, ways):
+    """Write how far points of upper arm and forearm travel into `ways` (2,); see `swept`.
+
+    Joints 1 and 2 turn about orthogonal axes, and so do 3 and 4. So rates add as the sides of a
+    right angle. Turned about the shoulder, a point moves no more than the hand or the elbow.
+    """
+    shoulder = np.hypot(turn_of(curve, 0, s, half), turn_of(curve, 1, s, half))
+    bend = np.hypot(turn_of(curve, 2, s, half), turn_of(curve, 3, s, half)) * solved[LENGTH]
+    x, y, z = hand
+    farthest = min(np.sqrt(x * x + y * y + z * z) + bend, solved[RHO] + solved[LENGTH])
+    ways[0] = shoulder * solved[RHO]
+    ways[1] = max(ways[0], shoulder * farthest + bend)
+
+
+@njit(_nrt=False)
+def travel_of_bones(solved, q, p):
+    """Bound how far points of both bones travel on the line from q to p (4,); see `sweep_bones`."""
+    shoulder = np.hypot(p[0] - q[0], p[1] - q[1])
+    bend = np.hypot(p[2] - q[2], p[3] - q[3]) * solved[LENGTH]
+    _, _, _, x, y, z = bones_at(solved, q)
+    there = np.sqrt(x * x + y * y + z * z)
+    _, _, _, x, y, z = bones_at(solved, p)
+    there += np.sqrt(x * x + y * y + z * z)
+    farthest = min(0.5 * (there + bend), solved[RHO] + solved[LENGTH])
+    return max(shoulder * solved[RHO], shoulder * farthest + bend)
 
 
 @njit(_nrt=False)
 def swivel_axes(limb, x, y, z):
     """Distance of a hand, its direction, and the axes from which swivels count: ten numbers."""
-    t, o = limb.pole, limb.zero
+    s = limb.solved
+    ox, oy, oz = s[ZERO], s[ZERO + 1], s[ZERO + 2]
     r = np.sqrt(x * x + y * y + z * z)
-    if r < 1e-12 * limb.rho:  # the direction is undefined at the shoulder: take that of the zero
-        nx, ny, nz = o[0], o[1], o[2]
+    if r < 1e-12 * s[RHO]:  # the direction is undefined at the shoulder: take that of the zero
+        nx, ny, nz = ox, oy, oz
     else:
         nx, ny, nz = x / r, y / r, z / r
-    dx, dy, dz = nx - t[0], ny - t[1], nz - t[2]
-    kx, ky, kz = dy * o[2] - dz * o[1], dz * o[0] - dx * o[2], dx * o[1] - dy * o[0]
+    dx, dy, dz = nx - s[POLE], ny - s[POLE + 1], nz - s[POLE + 2]
+    kx, ky, kz = dy * oz - dz * oy, dz * ox - dx * oz, dx * oy - dy * ox
     ax, ay, az = ky * nz - kz * ny, kz * nx - kx * nz, kx * ny - ky * nx
     size = np.sqrt(ax * ax + ay * ay + az * az)
     if size < 1e-12:  # on the half-line: any reference will do
-        ax, ay, az, size = o[0], o[1], o[2], 1.0
+        ax, ay, az, size = ox, oy, oz, 1.0
     ax, ay, az = ax / size, ay / size, az / size
     return r, nx, ny, nz, ax, ay, az, ny * az - nz * ay, nz * ax - nx * az, nx * ay - ny * ax
 
@@ -53,13 +108,14 @@ def swivel_of(limb, ex, ey, ez, hx, hy, hz):
 def elbow_at(limb, hx, hy, hz, swivel):
     """Elbow of a hand and a swivel; of hands out of reach, as if they were on the rim."""
     r, nx, ny, nz, ax, ay, az, bx, by, bz = swivel_axes(limb, hx, hy, hz)
-    along = limb.rho
+    rho, length = limb.solved[RHO], limb.solved[LENGTH]
+    along = rho
     if r > 0.0:
-        along = 0.5 * (r + (limb.rho - limb.length) * (limb.rho + limb.length) / r)
-    along = min(max(along, -limb.rho), limb.rho)
-    radius = np.sqrt((limb.rho - along) * (limb.rho + along))
-    if radius < STRAIGHT * limb.rho:  # a root of rounding errors, which has no direction
-        radius, along = 0.0, np.copysign(limb.rho, along)
+        along = 0.5 * (r + (rho - length) * (rho + length) / r)
+    along = min(max(along, -rho), rho)
+    radius = np.sqrt((rho - along) * (rho + along))
+    if radius < STRAIGHT * rho:  # a root of rounding errors, which has no direction
+        radius, along = 0.0, np.copysign(rho, along)
     c, s = radius * np.cos(swivel), radius * np.sin(swivel)
     return (
         along * nx + c * ax + s * bx, along * ny + c * ay + s * by, along * nz + c * az + s * bz
@@ -88,8 +144,8 @@ def joints_of_limb(limb, ex, ey, ez, hx, hy, hz, near, out):
     count : int
         Rows of `out` that are solutions, each confirmed by the forward kinematics.
     """
-    u, f, count = limb.upper, limb.fore, 0
-    tiny = 1e-12 * (limb.rho + limb.length)
+    u, f, count = limb.solved[UPPER:FORE], limb.solved[FORE:POLE], 0
+    tiny = 1e-12 * (limb.solved[RHO] + limb.solved[LENGTH])
     swings, rolls = np.hypot(u[0], u[1]) > tiny, np.hypot(f[0], f[1]) > tiny
     wide = np.sqrt(max(ex * ex + ez * ez - u[2] * u[2], 0.0)) if swings else 0.0
     for side in (wide, -wide):
@@ -130,18 +186,6 @@ def inverse(limb, hx, hy, hz, swivel, near, out):
 
 
 @njit(_nrt=False)
-def postures_at(limb, x, y, z, k, count, low, high, out):
-    """All joints that put the hand at a point with swivel k of count; their number."""
-    return inverse(limb, x, y, z, 2.0 * np.pi * k / count, limb.start, out)
-
-
-@njit(_nrt=False)
-def inverts(limb):
-    """Return True: the inverse has a closed form."""
-    return True
-
-
-@njit(_nrt=False)
 def _fits(limb, q1, q2, q3, q4, near, out):
     """Return whether angles, some turns away or not, are in their ranges; `out` (4,) gets them."""
     fits, out[0] = in_range(q1, limb.low[0], limb.high[0], near[0])
@@ -159,38 +203,5 @@ def _reaches(limb, q, ex, ey, ez, hx, hy, hz):
     ax, ay, az, bx, by, bz = limb_at(limb, q)
     elbow = (ax - ex) ** 2 + (ay - ey) ** 2 + (az - ez) ** 2
     hand = (bx - hx) ** 2 + (by - hy) ** 2 + (bz - hz) ** 2
-    reach = limb.rho + limb.length
+    reach = limb.reach
     return elbow <= (CLAMPED * reach) ** 2 and hand <= (ROUNDING * reach) ** 2
-
-
-def inverse_in_space(
-    arm: SpatialArm, hand: ArrayLike, swivel: float, near: ArrayLike | None = None
-) -> np.ndarray:
-    """All joint angles that hold the hand at a place of the world with a swivel of the elbow.
-
-    Parameters
-    ----------
-    arm : SpatialArm
-    hand : (3,) array_like
-    swivel : float
-        Angle of the elbow about the line from shoulder to hand, see `swivel_in_space` [rad].
-    near : (4,) array_like, optional
-        Of angles some turns apart the nearest to these is taken; the middle of the ranges by
-        default.
-
-    Returns
-    -------
-    (k, 4) ndarray
-        None to four solutions within the joints' ranges [rad].
-    """
-    limb = spatial_limb_of(arm)
-    close = 0.5 * (limb.low + limb.high) if near is None else np.asarray(near, dtype=float)
-    there = (np.asarray(hand, dtype=float) - arm.base.origin) @ rotation_of(arm.base.rotation)
-    out = np.empty((BRANCHES, JOINTS))
-    return out[: inverse(limb, *there, float(swivel), close, out)]
-
-
-def swivel_in_space(arm: SpatialArm, joints: ArrayLike) -> float:
-    """Swivel of the elbow at joint angles (4,): its angle about the line from shoulder to hand."""
-    limb = spatial_limb_of(arm)
-    return float(swivel_of(limb, *limb_at(limb, np.asarray(joints, dtype=float))))

@@ -18,6 +18,7 @@ from gcm_learn.arms.curves import line, on_curve
 from gcm_learn.arms.limbs import (
     dof,
     ignores,
+    inverts,
     link,
     link_count,
     place,
@@ -27,7 +28,6 @@ from gcm_learn.arms.limbs import (
     swept,
 )
 from gcm_learn.arms.link_gaps import near_links
-from gcm_learn.arms.spatial_limb import SpatialLimb
 from gcm_learn.collision.solids import bone_distance, point_distance
 from gcm_learn.compiled import by_type, njit
 from gcm_learn.scene.bodies import (
@@ -86,64 +86,6 @@ def desk_of(scene):
 
 
 @njit(_nrt=False)
-def body_distance(bodies, b, t, limb, upper_slack, fore_slack, enough, poses):
-    """Distance of body b at t [s] to a limb (elbow, hand: six numbers).
-
-    Parameters
-    ----------
-    upper_slack, fore_slack : float
-        How much nearer the bones may come in the span that is asked about.
-    enough : float
-        Distances above this, slack taken off, need not be exact: the ball that holds the body
-        bounds them.
-
-    Returns
-    -------
-    distance : float
-        Of the nearer bone.
-    room : float
-        The smaller distance with the bone's slack taken off.
-    """
-    turned = centre_at(bodies, b, t, poses)
-    x, y, z, reach = poses[b, 0], poses[b, 1], poses[b, 2], bodies.rows[b, REACH]
-    ex, ey, ez, hx, hy, hz = limb
-    upper = off_bone(x, y, z, ex, ey, ez) - reach
-    fore = off_bone(x - ex, y - ey, z - ez, hx - ex, hy - ey, hz - ez) - reach
-    if bodies.rows[b, BALL] == 0.0:
-        near_upper, near_fore = upper - upper_slack <= enough, fore - fore_slack <= enough
-        if turned and (near_upper or near_fore):
-            rotate(bodies, b, t, poses)
-        first = upper < fore  # the other bone needs not be asked after if its ball is farther
-        if near_upper and first:
-            upper = bone_distance(bodies, poses, b, (0.0, 0.0, 0.0), (ex, ey, ez))
-        if near_fore and (not first or fore < upper or fore - fore_slack < upper - upper_slack):
-            fore = bone_distance(bodies, poses, b, (ex, ey, ez), (hx, hy, hz))
-        if near_upper and not first and (upper < fore or upper - upper_slack < fore - fore_slack):
-            upper = bone_distance(bodies, poses, b, (0.0, 0.0, 0.0), (ex, ey, ez))
-    upper, fore = max(upper, 0.0), max(fore, 0.0)
-    room = upper - upper_slack
-    if room <= enough and upper_slack > 0.0 and bodies.rows[b, TOP_SPEED] == 0.0:
-        room = max(room, _hinged_room(bodies, b, (ex, ey, ez), upper_slack, poses))
-    return min(upper, fore), min(room, fore - fore_slack)
-
-
-@njit(_nrt=False)
-def _hinged_room(bodies, b, elbow, slack, poses):
-    """Least distance of body b, at rest, to the upper arm while the elbow moves by `slack`.
-
-    A body at the shoulder, as a torso, is as near to it whatever the arm does.  Points of the bone
-    move the less the nearer they are to the shoulder.  The distance to a convex body is convex
-    along the bone, so beyond two of its points it is no less than the line through them.
-    """
-    ex, ey, ez = elbow
-    near = point_distance(bodies, poses, b, _HINGE * ex, _HINGE * ey, _HINGE * ez)
-    far = 2.0 * _HINGE
-    slope = (point_distance(bodies, poses, b, far * ex, far * ey, far * ez) - near) / _HINGE
-    between = 0.5 * _HINGE * np.sqrt(ex * ex + ey * ey + ez * ez)  # those two it may be less
-    return near - slope * _HINGE + min(0.0, slope - slack) - between
-
-
-@njit(_nrt=False)
 def _gap_to_links(limb, where, slack, bodies, b, t, off, enough, poses):
     """Ask link by link; the ball that holds the body bounds what is farther."""
     turned = centre_at(bodies, b, t, poses)
@@ -174,12 +116,32 @@ def _gap_to_capsules(limb, where, slack, bodies, b, t, off, enough, poses):
     if count == 0:
         return 1e300, 1e300
     links = (limb.near, limb.reaches, limb.balls, limb.radii, limb.ways, limb.ignored)
-    return _gap_to_near(links, count, bodies, b, t, turned, off, enough, poses)
+    hinged = inverts(limb) and bodies.rows[b, TOP_SPEED] == 0.0
+    return _gap_to_near(links, count, bodies, b, t, turned, off, enough, hinged, poses)
 
 
 @njit(_nrt=False)
-def _gap_to_near(arrays, count, bodies, b, t, turned, off, enough, poses):
-    """Ask some links.  The ball about a link settles most, the distance of its axis the others."""
+def _hinged_room(bodies, b, elbow, slack, poses):
+    """Least distance of body b, at rest, to the upper arm while the elbow moves by `slack`.
+
+    A body at the shoulder, as a torso, is as near to it whatever the arm does.  Points of the bone
+    move the less the nearer they are to the shoulder.  The distance to a convex body is convex
+    along the bone, so beyond two of its points it is no less than the line through them.
+    """
+    ex, ey, ez = elbow
+    near = point_distance(bodies, poses, b, _HINGE * ex, _HINGE * ey, _HINGE * ez)
+    far = 2.0 * _HINGE
+    slope = (point_distance(bodies, poses, b, far * ex, far * ey, far * ez) - near) / _HINGE
+    between = 0.5 * _HINGE * np.sqrt(ex * ex + ey * ey + ez * ez)  # those two it may be less
+    return near - slope * _HINGE + min(0.0, slope - slack) - between
+
+
+@njit(_nrt=False)
+def _gap_to_near(arrays, count, bodies, b, t, turned, off, enough, hinged, poses):
+    """Ask some links.  The ball about a link settles most, the distance of its axis the others.
+
+    The first link of a `hinged` limb begins at the shoulder, which does not move.
+    """
     near, links, balls, radii, ways, ignored = arrays
     x, y, z, reach = poses[b, 0], poses[b, 1], poses[b, 2], bodies.rows[b, REACH]
     best, room = 1e300, 1e300
@@ -200,17 +162,14 @@ def _gap_to_near(arrays, count, bodies, b, t, turned, off, enough, poses):
             gap = max(gap, point_distance(bodies, poses, b, u, v, w) - ball)
             if gap - slip <= enough:
                 gap = bone_distance(bodies, poses, b, (px, py, pz), (qx, qy, qz)) - radii[i]
-        best, room = min(best, gap), min(room, gap - slip)
+        left = gap - slip
+        if hinged and i == 0 and left <= enough and slip > 0.0:
+            left = max(left, _hinged_room(bodies, b, (qx, qy, qz), slip, poses) - radii[i])
+        best, room = min(best, gap), min(room, left)
     return best, room
 
 
-@njit(_nrt=False)
-def _gap_to_bones(limb, where, slack, bodies, b, t, off, enough, poses):
-    """Ask both bones at once; see `body_distance`."""
-    return body_distance(bodies, b, t, where, slack[0] + off, slack[1] + off, enough, poses)
-
-
-gap_to = by_type({None: _gap_to_links, SpatialLimb: _gap_to_bones, ChainLimb: _gap_to_capsules})
+gap_to = by_type({None: _gap_to_links, ChainLimb: _gap_to_capsules})
 """Distance of body b at t [s] to a limb at a place, and the same less slack.
 
 Parameters
@@ -225,10 +184,7 @@ enough : float
 
 @njit(_nrt=False)
 def distance_at(scene, q, t, desk):
-    """Distance of the limb at joints q (n,) to the nearest obstacle at t [s].
-
-    0 where a spatial arm's bones meet an obstacle, negative where links of a chain do.
-    """
+    """Distance of the limb at joints q (n,) to the nearest obstacle at t [s]; see `gap_to`."""
     best, where = 1e300, place(scene.limb, q)
     slack = still(scene.limb)
     for k in range(desk.obstacles.size):

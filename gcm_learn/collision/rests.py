@@ -3,34 +3,9 @@
 from __future__ import annotations
 
 from gcm_learn.arms.limbs import place, self_gap, still
-from gcm_learn.arms.spatial_limb import SpatialLimb
 from gcm_learn.collision.postures import gap_to
-from gcm_learn.compiled import by_type, njit
+from gcm_learn.compiled import njit
 from gcm_learn.scene.bodies import TOP_SPEED
-from gcm_learn.scene.shapes.ball import off_bone
-from gcm_learn.scene.shapes.choice import inner_radius
-
-
-@njit(_nrt=False)
-def _depth_in_links(limb, where, bodies, b, found, touch, poses):
-    """Take the link that is deepest in the body."""
-    return touch - found
-
-
-@njit(_nrt=False)
-def _depth_in_bones(limb, where, bodies, b, found, touch, poses):
-    """Take the largest ball in the body, or what the distance lacks."""
-    ex, ey, ez, hx, hy, hz = where
-    x, y, z = poses[b, 0], poses[b, 1], poses[b, 2]
-    away = min(
-        off_bone(x, y, z, ex, ey, ez),
-        off_bone(x - ex, y - ey, z - ez, hx - ex, hy - ey, hz - ez),
-    )
-    return max(inner_radius(bodies, b) + touch - away, touch - found)
-
-
-depth_of = by_type({None: _depth_in_links, SpatialLimb: _depth_in_bones})
-"""Bound the travel of body b, which touches the limb, before the limb is free."""
 
 
 @njit(_nrt=False)
@@ -56,9 +31,8 @@ def state_at(scene, where, t, touch, desk):
                 apart = min(apart, (found - touch) / speed)
             continue
         blocked = True
-        inside = depth_of(limb, where, bodies, b, found, touch, desk.poses)
-        if inside > 0.0:
-            together = max(together, inside / speed if speed > 0.0 else 1e300)
+        if touch > found:
+            together = max(together, (touch - found) / speed if speed > 0.0 else 1e300)
     return not blocked, together if blocked else apart
 
 

@@ -13,10 +13,9 @@ import numpy as np
 
 from gcm_learn.arms import SPATIAL, ByKind
 from gcm_learn.arms.chain_frames import PRISMATIC, line_of, parent_of
-from gcm_learn.arms.chain_limb import ChainLimb, place
-from gcm_learn.arms.limbs import hand_of, place as place_of
-from gcm_learn.arms.spatial_limb import SpatialLimb
-from gcm_learn.compiled import by_type, njit
+from gcm_learn.arms.chain_limb import place
+from gcm_learn.arms.limbs import hand_of, inverts, place as place_of
+from gcm_learn.compiled import njit
 from gcm_learn.scene.bodies import HAND, PART, pose_at
 from gcm_learn.situation import AnySituation, spatial_frame_of
 
@@ -47,16 +46,15 @@ def nearest_target(scene, poses):
 
 
 @njit
-def _straight(limb, scene):
-    return Heading(np.eye(3), np.zeros(3), np.zeros(limb.start.size))
+def heading_of(limb, scene):
+    """Heading of a limb in a scene: that of the nearest target, late in the horizon.
 
-
-@njit
-def _turned(limb, scene):
+    The first joint is within half a turn of 0 in it at t = 0.  That of spatial arms is the base's.
+    """
     out = Heading(np.eye(3), np.zeros(3), np.zeros(limb.start.size))
     poses = np.zeros((scene.bodies.rows.shape[0], 12))
     target = nearest_target(scene, poses)
-    alike = limb.joints[0, 0] != PRISMATIC  # if the first joint turns all
+    alike = limb.joints[0, 0] != PRISMATIC and not inverts(limb)  # if the first joint turns all
     for k in range(1, limb.joints.shape[0]):
         alike = alike and line_of(limb.tree, k)[0] > 0 and parent_of(limb.tree, k) > 0
     if not alike or target < 0:
@@ -80,13 +78,6 @@ def _turned(limb, scene):
     turn = limb.start[0] - angle
     out.shift[0] = angle + 2.0 * np.pi * np.round(turn / (2.0 * np.pi))
     return out
-
-
-heading_of = by_type({SpatialLimb: _straight, ChainLimb: _turned})
-"""Heading of a limb in a scene: that of the nearest target, late in the horizon.
-
-The first joint is within half a turn of 0 in it at t = 0.
-"""
 
 
 def _mirrors(situation: AnySituation) -> np.ndarray:

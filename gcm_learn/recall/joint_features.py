@@ -14,11 +14,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from gcm_learn.arms.chain_limb import REVOLUTE, ChainLimb
-from gcm_learn.arms.limbs import axis_of, dof, hand_of, place, still
-from gcm_learn.arms.spatial_limb import SpatialLimb, limb_at
+from gcm_learn.arms.chain_limb import REVOLUTE
+from gcm_learn.arms.limbs import axis_of, dof, hand_of, inverts, place, still
+from gcm_learn.arms.swivels import FORE, RHO, UPPER, limb_at
 from gcm_learn.collision.postures import gap_to
-from gcm_learn.compiled import by_type, njit
+from gcm_learn.compiled import njit
 from gcm_learn.motion import Rules
 from gcm_learn.motion.joint_interception import approach_axis, has_approach
 from gcm_learn.planners.joints.moves import study_of, turning_time
@@ -107,31 +107,24 @@ def _ahead(heading, x, y, z):
 
 
 @njit(_nrt=False)
-def _side_of_arm(limb, signs):
-    return signs[3]
+def _side(limb, signs):
+    """Sign of a limb's lateral direction: -1 for right arms."""
+    return signs[3] if inverts(limb) else 1.0
 
 
 @njit(_nrt=False)
-def _no_side(limb, signs):
-    return 1.0
-
-
-_side = by_type({SpatialLimb: _side_of_arm, ChainLimb: _no_side})
-"""Sign of a limb's lateral direction: -1 for right arms."""
-
-
-@njit(_nrt=False)
-def _fill_elbow(limb, heading, side, reach, out, at):
+def _fill_elbow(limb, side, reach, out, at):
     place = limb_at(limb, limb.start)
     for i in range(6):
         out[at + i] = place[i] / reach
     out[at + 1], out[at + 4] = side * out[at + 1], side * out[at + 4]
-    out[at + 7], out[at + 8] = limb.rho / reach, 10.0 * limb.thickness / reach
-    out[at + 12], out[at + 13] = side * limb.upper[1] / reach, limb.fore[2] / reach
+    out[at + 7], out[at + 8] = limb.solved[RHO] / reach, 10.0 * limb.thickness / reach
+    out[at + 12] = side * limb.solved[UPPER + 1] / reach
+    out[at + 13] = limb.solved[FORE + 2] / reach
 
 
 @njit(_nrt=False)
-def _fill_hand(limb, heading, side, reach, out, at):
+def _fill_hand(limb, heading, reach, out, at):
     where = place(limb, limb.start)
     x, y, z = hand_of(limb, where)
     x, y, z = _ahead(heading, x, y, z)
@@ -147,22 +140,23 @@ def _turned_ahead(heading, x, y, z):
     return _ahead(heading, x + origin[0], y + origin[1], z + origin[2])
 
 
-_fill_limb = by_type({SpatialLimb: _fill_elbow, ChainLimb: _fill_hand})
-"""Fill in where the limb starts, and its measures as far as they differ from arm to arm.
+@njit(_nrt=False)
+def _fill_limb(limb, heading, side, reach, out, at):
+    """Fill in where the limb starts, and its measures as far as they differ from arm to arm.
 
-A chain's are its model's, and an encoder knows one model.
-"""
+    A chain's are its model's, and an encoder knows one model.
+    """
+    if inverts(limb):
+        _fill_elbow(limb, side, reach, out, at)
+    else:
+        _fill_hand(limb, heading, reach, out, at)
 
 
 @njit(_nrt=False)
-def _without_approach(limb, scene, heading, target, poses, out, at):
-    return 0
-
-
-@njit(_nrt=False)
-def _with_approach(limb, scene, heading, target, poses, out, at):
-    if not has_approach(scene, target):
-        return 0
+def _fill_approach(limb, scene, heading, target, poses, out, at):
+    """Fill in the target's approach; 0 if it has none."""
+    if inverts(limb) or not has_approach(scene, target):
+        return
     for k in range(TRACKED.size):
         t = min(TRACKED[k], scene.limits.horizon)
         pose_at(scene.bodies, target, t, poses)
@@ -170,25 +164,12 @@ def _with_approach(limb, scene, heading, target, poses, out, at):
         out[at], out[at + 1], out[at + 2] = _turned_ahead(heading, x, y, z)
         at += 3
     out[at], out[at + 1] = 1.0, np.cos(scene.bodies.rows[target, WITHIN])
-    return 0
-
-
-_fill_approach = by_type({SpatialLimb: _without_approach, ChainLimb: _with_approach})
-"""Fill in the target's approach; 0 if it has none."""
 
 
 @njit(_nrt=False, forceinline=True)
-def _none(limb):
-    return 0
-
-
-@njit(_nrt=False, forceinline=True)
-def _numbers_of_approach(limb):
-    return APPROACH
-
-
-_approach_count = by_type({SpatialLimb: _none, ChainLimb: _numbers_of_approach})
-"""Numbers of a target's approach."""
+def _approach_count(limb):
+    """Numbers of a target's approach."""
+    return 0 if inverts(limb) else APPROACH
 
 
 POSTURES = 64  # all over the joints
@@ -334,12 +315,10 @@ def _fill_cell(study, where, t, again, far, c, cells):
 
 
 @njit
-def _human_ranges(limb, heading):
-    return LOW, HIGH
-
-
-@njit
-def _own_ranges(limb, heading):
+def _covered(limb, heading):
+    """Ends (n,), (n,) of the joints that are covered all over, in the limb's heading."""
+    if inverts(limb):
+        return LOW.copy(), HIGH.copy()
     low, high = np.empty(dof(limb)), np.empty(dof(limb))
     for j in range(low.size):
         middle = 0.5 * (limb.low[j] + limb.high[j]) - heading.shift[j]
@@ -348,7 +327,3 @@ def _own_ranges(limb, heading):
             middle, half = 0.0, AROUND
         low[j], high[j] = middle - half, middle + half
     return low, high
-
-
-_covered = by_type({SpatialLimb: _human_ranges, ChainLimb: _own_ranges})
-"""Ends (n,), (n,) of the joints that are covered all over, in the limb's heading."""

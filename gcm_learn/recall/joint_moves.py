@@ -12,9 +12,8 @@ from typing import NamedTuple
 import numpy as np
 
 from gcm_learn.arms.limbs import dof, hand_of, place, reach_of
-from gcm_learn.arms.spatial_limb import SpatialLimb
 from gcm_learn.collision.postures import move_is_free
-from gcm_learn.compiled import by_type, njit
+from gcm_learn.compiled import njit
 from gcm_learn.motion.joint_interception import fastest_hand, target_room
 from gcm_learn.planners.joints.moves import PIECES, Study, time_of, turning_time
 from gcm_learn.planners.joints.pull import pulled
@@ -163,27 +162,13 @@ def _paced(study, work):
     return work.time[KNOTS - 1]
 
 
-@njit(_nrt=False, forceinline=True)
-def _bones_and_catch(limb, catch):
-    return catch + limb.rho + limb.length
-
-
-@njit(_nrt=False, forceinline=True)
-def _reach_and_catch(limb, catch):
-    return catch + reach_of(limb)
-
-
-_farthest = by_type({SpatialLimb: _bones_and_catch, None: _reach_and_catch})
-"""Distance from the origin beyond which nothing is caught."""
-
-
 @njit(_nrt=False)
 def _away(study, b, fast, t):
     """Return for how long target b stays out of reach of arm and straight hand [s]."""
     limb, top, poses = study.scene.limb, study.scene.bodies.rows[b, TOP_SPEED], study.desk.poses
     x, y, z = hand_of(limb, place(limb, limb.start))
     ring = target_room(study.scene, b, 0.0, 0.0, 0.0, t, poses)
-    ring -= _farthest(limb, study.catch)
+    ring -= study.catch + reach_of(limb)
     way = target_room(study.scene, b, x, y, z, t, poses) - study.catch - fast * t
     wait = way / (fast + top)
     if ring > 0.0:

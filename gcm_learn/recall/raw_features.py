@@ -18,9 +18,8 @@ import numpy as np
 from gcm_learn.arms import Chain, SpatialArm
 from gcm_learn.arms.chain_limb import ChainLimb
 from gcm_learn.arms.limbs import hand_of, link, link_count, place
-from gcm_learn.arms.spatial_limb import limb_at
+from gcm_learn.arms.swivels import RHO, limb_at
 from gcm_learn.collision.distance import segment_point2
-from gcm_learn.collision.postures import body_distance
 from gcm_learn.compiled import by_type, njit
 from gcm_learn.motion.joint_interception import approach_axis, has_approach
 from gcm_learn.recall.headings import AHEAD, Heading, heading_of, nearest_target
@@ -112,7 +111,7 @@ def joint_raw_features(situation: Situation[SpatialArm], scene: Scene | None = N
     out[12:16] = 1.0 / (1.0 + np.array(arm.max_joint_speed) * horizon)
     speed = scene.limits.speed * horizon / arm.reach
     out[16] = 1.0 / (1.0 + speed)
-    out[17:20] = scene.limb.rho / arm.reach, arm.thickness / arm.reach, arm.grasp / arm.reach
+    out[17:20] = np.array([scene.limb.solved[RHO], arm.thickness, arm.grasp]) / arm.reach
     _fill_by_joints(scene, -1.0 if frame.mirrored else 1.0, arm.reach, out)
     return out
 
@@ -236,12 +235,14 @@ def _gap_by_ball(view, bodies, b, t, goal, poses):
 
 @njit
 def _gap_in_space(view, bodies, b, t, goal, poses):
-    """Return the distance of body b from the limb and the hand's way to the goal."""
-    limb = view.limb
-    way = (limb[3], limb[4], limb[5], goal[0], goal[1], goal[2])
-    gap, _ = body_distance(bodies, b, t, limb, 0.0, 0.0, 0.0, poses)
-    other, _ = body_distance(bodies, b, t, way, 0.0, 0.0, 0.0, poses)
-    return min(gap, other)
+    """Return the distance of a ball about body b from the limb and the hand's way to the goal."""
+    pose_at(bodies, b, t, poses)
+    x, y, z = poses[b, 0], poses[b, 1], poses[b, 2]
+    ex, ey, ez, hx, hy, hz = view.limb
+    gap = min(off_bone(x, y, z, ex, ey, ez), off_bone(x, y, z, hx, hy, hz))
+    gap = min(gap, off_bone(x - ex, y - ey, z - ez, hx - ex, hy - ey, hz - ez))
+    gap = min(gap, off_bone(x - hx, y - hy, z - hz, goal[0] - hx, goal[1] - hy, goal[2] - hz))
+    return gap - bodies.rows[b, REACH]
 
 
 @njit

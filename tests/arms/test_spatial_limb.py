@@ -18,8 +18,16 @@ from gcm_learn.arms import (
     spatial_limb_of,
     swivel_in_space,
 )
-from gcm_learn.arms.spatial_limb import hand_jacobian, limb_at, motion_bounds
-from gcm_learn.arms.swivels import elbow_at, joints_of_limb, swivel_axes, swivel_of
+from gcm_learn.arms.limbs import hand_of, jacobian, place
+from gcm_learn.arms.swivels import (
+    POLE,
+    ZERO,
+    elbow_at,
+    joints_of_limb,
+    limb_at,
+    swivel_axes,
+    swivel_of,
+)
 from tests import strategies
 
 SPEEDS = (8.268, 7.194, 8.268, 7.194)
@@ -111,43 +119,14 @@ def test_many_joints_at_once_are_as_one_by_one(rng):
 @given(strategies.spatial_arms(), strategies.vectors(4))
 def test_jacobian_is_the_derivative(arm, q):
     limb, found, step = spatial_limb_of(arm), np.empty((3, 4)), 1e-5
-    hand_jacobian(limb, np.array(q), found)
+    np.testing.assert_allclose(
+        hand_of(limb, place(limb, np.array(q))), limb_at(limb, q)[3:], atol=1e-12
+    )
+    jacobian(limb, np.array(q), found)
     for k, shift in enumerate(step * np.eye(4)):
         ahead, behind = limb_at(limb, q + shift), limb_at(limb, q - shift)
         wanted = (np.array(ahead[3:]) - np.array(behind[3:])) / (2 * step)
         np.testing.assert_allclose(found[:, k], wanted, atol=1e-8)
-
-
-# --- bounds of motion --------------------------------------------------------------------------
-
-
-@given(strategies.spatial_arms(), strategies.vectors(4), strategies.vectors(4))
-def test_no_point_travels_farther_than_the_bounds(arm, q, p):
-    limb, q, p = spatial_limb_of(arm), np.array(q), np.array(p)
-    path = [limb_at(limb, q + s * (p - q)) for s in np.linspace(0.0, 1.0, 200)]
-    elbow, hand = np.array(path)[:, :3], np.array(path)[:, 3:]
-    upper, whole = motion_bounds(limb, q, p)
-    for share in (0.0, 0.3, 0.7, 1.0):
-        assert length(share * elbow) <= upper * (1 + 1e-12) + 1e-15
-        assert length(elbow + share * (hand - elbow)) <= whole * (1 + 1e-12) + 1e-15
-
-
-def length(path):
-    return np.linalg.norm(np.diff(path, axis=0), axis=1).sum()
-
-
-def test_bounds_are_what_a_stretched_arm_does():
-    limb = spatial_limb_of(HUMAN)
-    for joint in (0, 1):
-        move = np.zeros(4)
-        move[joint] = 0.1
-        assert motion_bounds(limb, np.zeros(4), move) == pytest.approx((0.1, 0.2))
-    bent, move = np.array([0, 0, 0, -2.6]), np.array([0.1, 0, 0, 0])
-    assert motion_bounds(limb, bent, bent + move) == pytest.approx((0.1, 0.1))
-    bent, move = np.array([0, 0, 0, -1.8]), np.array([0.1, 0, 0, 0])
-    assert motion_bounds(limb, bent, bent + move)[1] == pytest.approx(0.2 * math.cos(0.9))
-    move = np.array([0, 0, 0, -0.1])
-    assert motion_bounds(limb, np.zeros(4), move) == pytest.approx((0.0, 0.1))
 
 
 # --- inverse -----------------------------------------------------------------------------------
@@ -302,12 +281,12 @@ def test_turning_the_elbow_about_the_hand_turns_the_swivel(arm, rng):
 def test_swivels_are_smooth_but_at_the_pole(arm, rng):
     """The reference turns slowly as the hand moves, opposite to the pole as well."""
     limb = spatial_limb_of(arm)
-    assert np.linalg.norm(limb.pole) == pytest.approx(1.0)
-    assert limb.pole @ limb.zero == pytest.approx(0.0, abs=1e-12)
+    assert np.linalg.norm(limb.solved[POLE:ZERO]) == pytest.approx(1.0)
+    assert limb.solved[POLE:ZERO] @ limb.solved[ZERO : ZERO + 3] == pytest.approx(0.0, abs=1e-12)
     hands = rng.normal(size=(200, 3))
-    hands[0], hands[1] = -limb.pole, limb.zero
+    hands[0], hands[1] = -limb.solved[POLE:ZERO], limb.solved[ZERO : ZERO + 3]
     for hand in hands / np.linalg.norm(hands, axis=1)[:, None]:
-        away = math.acos(np.clip(hand @ limb.pole, -1, 1))
+        away = math.acos(np.clip(hand @ limb.solved[POLE:ZERO], -1, 1))
         step = 1e-4 * rng.normal(size=3)
         a, b = (np.array(swivel_axes(limb, *place)) for place in (hand, hand + step))
         np.testing.assert_allclose(a[4:7] @ a[1:4], 0.0, atol=1e-9)
@@ -319,7 +298,7 @@ def angles_to_pole(arm, rng, count=100_000):
     """Angles between the pole and directions to hands in the joints' ranges."""
     limb = spatial_limb_of(arm)
     hands = forward_in_space(replace(arm, base=Base()), drawn(arm, rng, count))[1]
-    return np.arccos(np.clip(hands @ limb.pole / np.linalg.norm(hands, axis=1), -1, 1))
+    return np.arccos(np.clip(hands @ limb.solved[POLE:ZERO] / np.linalg.norm(hands, axis=1), -1, 1))
 
 
 def test_hands_of_a_robot_do_not_come_near_the_pole(rng):

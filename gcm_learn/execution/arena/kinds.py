@@ -22,8 +22,6 @@ from gcm_learn.execution.arena.kernels.joints import (
     observation as joint_observation,
     scene as joint_scene,
 )
-from gcm_learn.execution.arena.kernels.joints.observation import CHAIN_KERNELS, SPATIAL_KERNELS
-from gcm_learn.execution.arena.kernels.joints.spatial import START
 from gcm_learn.execution.arena.kernels.world import State, World, fields_in_rows
 from gcm_learn.motion import HOLE_MARGIN, fastest_hand
 from gcm_learn.scene import Scene
@@ -146,15 +144,17 @@ def _outside_hole(scene: Scene) -> Scene:
 
 _SPATIAL = Kernels(
     layout=lambda model: _SPATIAL_LAYOUT,
-    rows=fields_in_rows,
-    starts=lambda world: world.limbs[:, START],
+    rows=chains.rows_of,
+    starts=chains.starts_of,
     horizon=joint_scene.HORIZON,
     state=_joints,
     check=lambda situations: None,
     placed=lambda situation: (situation, AsDrawn()),
     bounded=lambda scene: scene,
     pace=fastest_hand,
-    **SPATIAL_KERNELS._asdict(),
+    observe=joint_observation.observe_all,
+    play=joint_observation.play,
+    ways_to_go=joint_observation.ways_to_go,
 )
 KERNELS = ByKind(
     {
@@ -175,11 +175,8 @@ KERNELS = ByKind(
         CHAIN: replace(
             _SPATIAL,
             layout=_chain_layout,
-            rows=chains.rows_of,
-            starts=chains.starts_of,
             check=_alike,
             pace=_pace_of_chain,
-            **CHAIN_KERNELS._asdict(),
         ),
     },
     who="the arena",

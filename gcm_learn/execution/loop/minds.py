@@ -12,7 +12,8 @@ from gcm_learn.arms import PLANAR, ByKind, SpatialArm
 from gcm_learn.compiled import njit
 from gcm_learn.errors import ArenaError
 from gcm_learn.execution.arena.batch import way_of
-from gcm_learn.execution.arena.kernels.joints.observation import SPATIAL_KERNELS
+from gcm_learn.execution.arena.kernels.joints import chains
+from gcm_learn.execution.arena.kernels.joints.observation import observe_all
 from gcm_learn.execution.arena.kernels.joints.scene import view_in, views_for
 from gcm_learn.execution.arena.kernels.joints.stepping import reach_out
 from gcm_learn.execution.arena.kernels.world import CAUGHT, Options, State, World, world_of
@@ -40,7 +41,7 @@ class OneStep:
         posture = np.concatenate([scene.limb.start, scene.limb.rates])[None]
         caught = np.full((1, len(situation.bodies)), -1.0)
         state = State(np.zeros(1, np.int64), posture, np.zeros((1, 3)), np.zeros(1), caught)
-        world = world_of([scene], [opening(scene).rules], [fastest_hand(scene)])
+        world = world_of([scene], [opening(scene).rules], [fastest_hand(scene)], chains.rows_of)
         self.told = np.zeros((1, settings.width), np.float32)
         """As `envs.CatchArm3D` lists it (1, width)."""
         self.posture = posture[0]
@@ -48,7 +49,7 @@ class OneStep:
         self._world, self._arm = tuple(world), state
         self._options = settings.options
         alone = np.zeros(1, np.int64)
-        SPATIAL_KERNELS.observe(self._world, tuple(state), alone, self._options, self.told)
+        observe_all(self._world, tuple(state), alone, self._options, self.told)
 
     def after(self, command: np.ndarray) -> np.ndarray:
         """Posture (2 dof,) after the step, as near to a command (dof,) as the limits allow."""

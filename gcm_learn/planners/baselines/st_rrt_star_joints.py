@@ -13,8 +13,7 @@ import numpy as np
 
 from gcm_learn.arms import SPATIAL, ByKind
 from gcm_learn.arms.limbs import dof
-from gcm_learn.arms.spatial_limb import limb_at
-from gcm_learn.arms.swivels import inverse
+from gcm_learn.arms.swivels import inverse, limb_at
 from gcm_learn.collision.postures import distance_at, gap_at
 from gcm_learn.compiled import njit
 from gcm_learn.errors import ArmKindError
@@ -87,7 +86,7 @@ def draw_posture(study, since, until, chances, q):
         wide = r * np.sqrt(1.0 - up * up)
         x, y = poses[b, 0] + wide * np.cos(turn), poses[b, 1] + wide * np.sin(turn)
         z = poses[b, 2] + r * up
-        if x * x + y * y + z * z > (limb.rho + limb.length) ** 2:
+        if x * x + y * y + z * z > limb.reach**2:
             continue
         if target_room(scene, b, x, y, z, t, poses) > study.catch:
             continue

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from gcm_learn.arms.limbs import dof
-from gcm_learn.arms.spatial_limb import limb_at
+from gcm_learn.arms.swivels import RHO, limb_at
 from gcm_learn.collision.postures import distance_at
 from gcm_learn.compiled import njit
 from gcm_learn.motion.joint_interception import target_room
@@ -44,8 +44,8 @@ def ways_in_box(study, low, high, q):
     h0, h1, h2, h3 = high[0] - q[0], high[1] - q[1], high[2] - q[2], high[3] - q[3]
     _, _, _, x, y, z = limb_at(limb, q)
     turn, bend = np.hypot(h0, h1), np.hypot(h2, h3) * limb.length
-    farthest = min(np.sqrt(x * x + y * y + z * z) + bend, limb.rho + limb.length)
-    return turn * limb.rho, max(turn * limb.rho, turn * farthest + bend)
+    farthest = min(np.sqrt(x * x + y * y + z * z) + bend, limb.reach)
+    return turn * limb.solved[RHO], max(turn * limb.solved[RHO], turn * farthest + bend)
 
 
 @njit(_nrt=False)
@@ -119,7 +119,7 @@ def slice_is_ruled_out(study, since, until, most, stack):
     """
     scene, q = study.scene, study.goal
     limb, rate, low, high = scene.limb, scene.limits.joint_speed, study.low, study.high
-    reach, looks, depth = limb.rho + limb.length, 0, 1
+    reach, looks, depth = limb.reach, 0, 1
     _, _, _, sx, sy, sz = limb_at(limb, limb.start)
     for j in range(dof(limb)):
         hair = _GRANTED * max(abs(limb.low[j]), abs(limb.high[j]))

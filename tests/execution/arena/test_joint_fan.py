@@ -134,7 +134,7 @@ def test_what_becomes_of_commands_is_told(moved):
         if len(situation.targets) > 1:
             continue
         scene, rules = pack(situation), opening(pack(situation)).rules
-        reach = scene.limb.rho + scene.limb.length
+        reach = scene.limb.reach
         times = fan.TIMES * reach / fastest_hand(scene)
         for ray in (0, 3, 11, 22, fan.HALF, fan.REST):
             free, room, gap = 0.0, fan.ROOM * reach, reach

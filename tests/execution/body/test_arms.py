@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from gcm_learn import execution
-from gcm_learn.execution.arena.kernels.joints.observation import SPATIAL_KERNELS
+from gcm_learn.execution.arena.kernels.joints.observation import observe_all
 from gcm_learn.execution.body.motors import motor_accelerations
 from tests.execution.conftest import Straight
 
@@ -90,7 +90,7 @@ def test_what_is_told_is_what_kinematic_arms_are_told(pool):
     kinematic.state.posture[:], kinematic.state.time[:] = arms.posture, arms.time
     world, state = tuple(kinematic.pool.world), tuple(kinematic.state)
     options = execution.SpatialSettings().options
-    SPATIAL_KERNELS.observe(world, state, everyone, options, kinematic.observations)
+    observe_all(world, state, everyone, options, kinematic.observations)
     np.testing.assert_array_equal(arms.observations[:, :-8], kinematic.observations)
     assert (np.abs(kinematic.observations - before).max(axis=1) > 0.01).all()
 

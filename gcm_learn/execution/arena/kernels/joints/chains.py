@@ -1,4 +1,4 @@
-"""Chains in the arena: entries of the table in `limbs`, and rows of a world's limbs.
+"""Limbs in the arena: what is told of them, and rows of a world's limbs.
 
 A row holds counts, then fields of `ChainLimb` one after the other. Arms of a world have as many
 joints and links; shorter lists of pairs and of ignored bodies are filled up.
@@ -12,9 +12,21 @@ from typing import NamedTuple
 import numpy as np
 
 from gcm_learn.arms.chain_limb import PRISMATIC, ChainLimb
-from gcm_learn.arms.limbs import axis_of, dof, ignores, link, link_count, self_gap, still
+from gcm_learn.arms.limbs import (
+    axis_of,
+    dof,
+    ignores,
+    inverts,
+    link,
+    link_count,
+    place,
+    self_gap,
+    still,
+)
+from gcm_learn.arms.swivels import RHO
 from gcm_learn.collision.postures import gap_to
 from gcm_learn.compiled import njit
+from gcm_learn.execution.arena.kernels.joints import fan
 from gcm_learn.execution.arena.kernels.joints.nearness import lay, nearest_on_bone, wish
 from gcm_learn.execution.arena.kernels.world import World, put, put_vector
 from gcm_learn.motion.joint_interception import approach_axis, approach_excess, has_approach
@@ -23,15 +35,9 @@ from gcm_learn.scene import Scene
 from gcm_learn.scene.bodies import REACH
 from gcm_learn.scene.shapes.ball import off_bone
 
-LINKS, PAIRS, MOST_PAIRS, MOST_BODIES = range(4)  # columns of the counts
-FIRST = 4  # column of the joints at t = 0
+LINKS, PAIRS, MOST_PAIRS, MOST_BODIES, SOLVED = range(5)  # columns of the counts
+FIRST = 5  # column of the joints at t = 0
 _APPROACH = 5  # numbers of an approach
-
-
-class ChainWorld(World):
-    """World of chains; its type chooses their kernels."""
-
-    __slots__ = ()
 
 
 def rows_of(scenes: Sequence[Scene]) -> np.ndarray:
@@ -52,11 +58,11 @@ def _row_of(limb: ChainLimb, pairs: int, bodies: int) -> np.ndarray:
     more = np.zeros((pairs - len(limb.pairs), 2))
     ignored = np.zeros((len(limb.radii), bodies))
     ignored[:, : limb.ignored.shape[1]] = limb.ignored
-    counts = [len(limb.radii), len(limb.pairs), pairs, bodies]
+    counts = [len(limb.radii), len(limb.pairs), pairs, bodies, limb.solved.size]
     parts = (
         counts, limb.start, limb.rates, limb.joints, limb.low, limb.high, limb.carriers, limb.ends,
         limb.radii, limb.balls, limb.tails, [limb.reach, limb.thickness, limb.length], limb.pairs,
-        more, ignored,
+        more, ignored, limb.solved,
     )  # fmt: skip
     return np.concatenate([np.ravel(part).astype(float) for part in parts])
 
@@ -72,6 +78,7 @@ def blank(world):
         np.zeros((m, bodies), np.bool_), np.zeros(n), 1.0, 0.0, 1.0, np.zeros(n), np.zeros(n),
         _first_frame(n), np.zeros((n, 6)), np.zeros((m + 1, 6)), np.zeros((m, 4)),
         np.zeros(m, np.int64), np.zeros(m), np.zeros(n), np.zeros(n), None,
+        np.zeros(int(row[SOLVED])),
     )  # fmt: skip
 
 
@@ -118,11 +125,12 @@ def limb_in(limb, world, s):
         for b in range(limb.ignored.shape[1]):
             limb.ignored[i, b] = row[at] != 0.0
             at += 1
+    _read(row, at, limb.solved)
     return ChainLimb(
         limb.joints, limb.low, limb.high, limb.carriers, limb.ends, limb.radii, pairs,
         limb.ignored, limb.tails, reach, thickness, length, limb.start, limb.rates, limb.frames,
         limb.axes, limb.reaches, limb.balls, limb.near, limb.ways, limb.turns, limb.paces,
-        limb.tree,
+        limb.tree, limb.solved,
     )  # fmt: skip
 
 
@@ -157,32 +165,36 @@ def buffers(limb):
 
 @njit(_nrt=False)
 def beside(limb, own, k):
-    """Return a limb that writes its places into the buffers."""
+    """Return a limb that writes its places into the buffers, k being 0 or 1."""
     for i in range(limb.radii.size):
         own.balls[k, i, 3] = limb.balls[i, 3]
     return ChainLimb(
         limb.joints, limb.low, limb.high, limb.carriers, limb.ends, limb.radii, limb.pairs,
         limb.ignored, limb.tails, limb.reach, limb.thickness, limb.length, limb.start, limb.rates,
         own.frames[k], own.axes[k], own.reaches[k], own.balls[k], own.near, own.ways, own.turns,
-        own.paces, limb.tree,
+        own.paces, limb.tree, limb.solved,
     )  # fmt: skip
 
 
 @njit(_nrt=False)
 def gap_of(limb, place, bodies, b, t, enough, poses):
-    """As the table says, and exact."""
+    """Distance of body b at t [s] to a limb at a place."""
     return gap_to(limb, place, still(limb), bodies, b, t, 0.0, 1e300, poses)[0]
 
 
 @njit(_nrt=False, forceinline=True)
 def shape_numbers(limb):
-    """Count of the numbers of the hand's axis and the links' outer ends."""
-    return 3 + 3 * limb.radii.size
+    """Count of the numbers that `tell_shape` writes."""
+    return 3 if inverts(limb) else 3 + 3 * limb.radii.size
 
 
 @njit(_nrt=False)
 def tell_shape(limb, place, reach, row, at):
-    """Write the hand's axis and the outer ends of the links."""
+    """Write the hand's axis and the outer ends of the links; of a spatial arm the elbow."""
+    if inverts(limb):
+        _, _, _, x, y, z, _ = link(limb, place, 0)
+        put_vector(row, at, x, y, z, reach)
+        return
     x, y, z = axis_of(limb, place)
     put_vector(row, at, x, y, z, 1.0)
     for i in range(link_count(limb)):
@@ -192,13 +204,20 @@ def tell_shape(limb, place, reach, row, at):
 
 @njit(_nrt=False, forceinline=True)
 def size_numbers(limb):
-    """Count of the links' radii and the limb's distance to itself."""
-    return limb.radii.size + 1
+    """Count of the numbers that `tell_sizes` writes."""
+    return 2 if inverts(limb) else limb.radii.size + 1
 
 
 @njit(_nrt=False)
 def tell_sizes(limb, place, touch, reach, row, at):
-    """Write the radii of the links and the distance before the limb touches itself."""
+    """Write the radii of the links and the distance before the limb touches itself.
+
+    Of a spatial arm the length of the upper arm, and the thickness.
+    """
+    if inverts(limb):
+        put(row, at, limb.solved[RHO] / reach)
+        put(row, at + 1, limb.thickness / reach)
+        return
     for i in range(limb.radii.size):
         put(row, at + i, limb.radii[i] / reach)
     gap, _ = self_gap(limb, place, still(limb), 1e300)
@@ -207,16 +226,16 @@ def tell_sizes(limb, place, touch, reach, row, at):
 
 @njit(_nrt=False, forceinline=True)
 def approach_numbers(limb):
-    """Count of the numbers of an approach."""
-    return _APPROACH
+    """Count of the numbers of an approach, which spatial arms are not told."""
+    return 0 if inverts(limb) else _APPROACH
 
 
 @njit(_nrt=False)
 def tell_approach(limb, place, scene, b, t, poses, row, at):
     """Write whether target b has an approach, its direction, and the angle that is too much."""
-    for k in range(_APPROACH):
+    for k in range(approach_numbers(limb)):
         row[at + k] = 0.0
-    if has_approach(scene, b):
+    if not inverts(limb) and has_approach(scene, b):
         row[at] = 1.0
         x, y, z = approach_axis(scene, b, t, poses)
         put_vector(row, at + 1, x, y, z, 1.0)
@@ -225,7 +244,21 @@ def tell_approach(limb, place, scene, b, t, poses, row, at):
 
 @njit(_nrt=False)
 def nearest_point(limb, place, bodies, b, poses):
-    """As the table says; links whose balls are farther off are left out."""
+    """Point on a link's axis that is nearest to body b at its pose.
+
+    Links whose balls are farther off are left out.
+
+    Returns
+    -------
+    i : int
+        The link.
+    px, py, pz : float
+        The point.
+    x, y, z : float
+        From there to the nearest point of the body; 0 where they meet.
+    radius : float
+        Of the link, beyond the limb's thickness.
+    """
     reach, near, best = bodies.rows[b, REACH], -1, 1e300
     fx = fy = fz = vx = vy = vz = 0.0
     cx, cy, cz = poses[b, 0], poses[b, 1], poses[b, 2]
@@ -246,7 +279,7 @@ def nearest_point(limb, place, bodies, b, poses):
 
 @njit(_nrt=False)
 def point_velocity_on(limb, place, i, joints, rates, x, y, z):
-    """As the table says: the sum of what the joints before the link do, at their place."""
+    """Velocity (3) of a point of link i: the sum of what the joints before it do."""
     vx = vy = vz = 0.0
     for k in range(limb.carriers[i]):
         ax, ay, az = limb.axes[k, 3], limb.axes[k, 4], limb.axes[k, 5]
@@ -259,7 +292,10 @@ def point_velocity_on(limb, place, i, joints, rates, x, y, z):
 
 @njit(_nrt=False)
 def brakes_slowly(limb, scene, speed, end, rates, span, own):
-    """As the table says: the steps in which all joints brake are looked at."""
+    """Return whether the hand keeps its speed while the joints brake after a step.
+
+    Joints and rates (dof,) are those after the step; the steps of braking are looked at.
+    """
     posture, curve, n, longest = own.posture, own.curve, dof(limb), 0.0
     after, there, joints = own.rows[1], own.rows[2], own.rows[3]
     for j in range(n):
@@ -276,6 +312,11 @@ def brakes_slowly(limb, scene, speed, end, rates, span, own):
     return True
 
 
-@njit(_nrt=False, forceinline=True)
-def tell_fan(limb, view, time, posture, e, body, place, aim, row, at):
-    """Write nothing: chains have no fan."""
+@njit(_nrt=False)
+def tell_fan(limb, view, time, posture, e, body, aim, row, at):
+    """Write the fan of a spatial arm; chains have none."""
+    if inverts(limb):
+        fan.tell_fan(view, time, posture, e, body, aim, row, at)
+        for j in range(dof(limb)):
+            view.joints[1, j] = posture[e, j]
+        place(limb, view.joints[1])

@@ -13,9 +13,8 @@ import itertools
 
 import numpy as np
 
-from gcm_learn.arms.limbs import dof
-from gcm_learn.arms.spatial_limb import hand_jacobian, limb_at
-from gcm_learn.collision.postures import body_distance
+from gcm_learn.arms.limbs import dof, hand_of, jacobian, place, still
+from gcm_learn.collision.postures import gap_to
 from gcm_learn.compiled import njit
 from gcm_learn.execution.arena.kernels.joints.meeting import AIM_ROW
 from gcm_learn.scene.bodies import REACH, centre_at
@@ -97,27 +96,27 @@ def _across(a, row, at, out):
 
 
 @njit(_nrt=False)
-def _lay_frame(view, posture, e, place, row, at):
+def _lay_frame(view, posture, e, row, at):
     """Write the frame of the fan: orthonormal, by Gram and Schmidt."""
-    limits, jacobian = view.scene.limits, view.jacobian
-    aim, still, outward, unit = view.rates[AIM_ROW], view.rates[0], view.rates[1], view.rates[2]
-    _, _, _, hx, hy, hz = place
-    for j in range(dof(view.scene.limb)):
+    limb, limits, slopes = view.scene.limb, view.scene.limits, view.jacobian
+    aim, elbow, outward, unit = view.rates[AIM_ROW], view.rates[0], view.rates[1], view.rates[2]
+    for j in range(dof(limb)):
         view.joints[1, j] = posture[e, j]
-    hand_jacobian(view.scene.limb, view.joints[1], jacobian)
-    for j in range(dof(view.scene.limb)):
+    hx, hy, hz = hand_of(limb, place(limb, view.joints[1]))
+    jacobian(limb, view.joints[1], slopes)
+    for j in range(dof(limb)):
         for i in range(3):
-            jacobian[i, j] *= limits.joint_speed[j]
-        outward[j] = jacobian[0, j] * hx + jacobian[1, j] * hy + jacobian[2, j] * hz
-    _across(jacobian, row, -1, still)
+            slopes[i, j] *= limits.joint_speed[j]
+        outward[j] = slopes[0, j] * hx + slopes[1, j] * hy + slopes[2, j] * hz
+    _across(slopes, row, -1, elbow)
     count = 0
     for k in range(7):
         for j in range(4):
             unit[j] = 1.0 if j == k - 3 else 0.0
-        one = aim if k == 0 else (still if k == 1 else (outward if k == 2 else unit))
+        one = aim if k == 0 else (elbow if k == 1 else (outward if k == 2 else unit))
         if count < 3 and _add(one, row, at, count):
             count += 1
-    _across(jacobian, row, at, unit)
+    _across(slopes, row, at, unit)
     for j in range(4):
         row[at + 12 + j] = unit[j]
 
@@ -145,7 +144,7 @@ def _add(vector, row, at, count):
 
 
 @njit(_nrt=False)
-def tell_fan(view, time, posture, e, body, place, aim, row, at):
+def tell_fan(view, time, posture, e, body, aim, row, at):
     """Write the frame of the fan, then of every ray how long it is free, how near it passes.
 
     Parameters
@@ -159,15 +158,13 @@ def tell_fan(view, time, posture, e, body, place, aim, row, at):
         The arm.
     body : int
         The target that can be met first.
-    place : tuple of 6 floats
-        Elbow and hand.
     aim : int
         Where in the row the straight command is.
     row : (width,) ndarray
         FRAME numbers and RAY for each command are written, from `at` on.
     """
-    _lay_frame(view, posture, e, place, row, at)
-    hand_jacobian(view.scene.limb, posture[e], view.jacobian)
+    _lay_frame(view, posture, e, row, at)
+    jacobian(view.scene.limb, view.joints[1], view.jacobian)
     for ray in range(COMMANDS):
         _look(view, time, posture, e, body, aim, ray, row, at)
 
@@ -176,6 +173,7 @@ def tell_fan(view, time, posture, e, body, place, aim, row, at):
 def _look(view, time, posture, e, body, aim, ray, row, at):
     """Write the free time of a ray, its clearance until then, and the gap to the target."""
     scene, unit, rates = view.scene, view.reach / view.pace, view.rates[0]
+    limb = scene.limb
     bodies, poses, which = scene.bodies, view.desk.poses, view.desk.obstacles
     command_of(row, aim, at, ray, rates)
     _slow_down(view, rates)
@@ -184,10 +182,10 @@ def _look(view, time, posture, e, body, aim, ray, row, at):
         after = TIMES[k] * unit
         now = min(time + after, scene.limits.horizon)
         _turn(scene, posture, e, rates, after, view.joints[1])
-        limb = limb_at(scene.limb, view.joints[1])
+        where = place(limb, view.joints[1])
         least = room + view.rules.touch
         for i in range(which.size):
-            found, _ = body_distance(bodies, which[i], now, limb, 0.0, 0.0, least, poses)
+            found, _ = gap_to(limb, where, still(limb), bodies, which[i], now, 0.0, least, poses)
             least = min(least, found)
         if least <= view.rules.touch:
             room = 0.0
@@ -195,22 +193,23 @@ def _look(view, time, posture, e, body, aim, ray, row, at):
         room, free = least - view.rules.touch, TIMES[k]
         if body >= 0:
             centre_at(bodies, body, now, poses)
-            x, y, z = poses[body, 0] - limb[3], poses[body, 1] - limb[4], poses[body, 2] - limb[5]
+            hx, hy, hz = hand_of(limb, where)
+            x, y, z = poses[body, 0] - hx, poses[body, 1] - hy, poses[body, 2] - hz
             away = np.sqrt(x * x + y * y + z * z) - bodies.rows[body, REACH] - view.rules.catch
             gap = min(gap, away)
-    place = at + FRAME + RAY * ray
-    row[place], row[place + 1], row[place + 2] = free, room / view.reach, gap / view.reach
+    to = at + FRAME + RAY * ray
+    row[to], row[to + 1], row[to + 2] = free, room / view.reach, gap / view.reach
 
 
 @njit(_nrt=False)
 def _slow_down(view, rates):
     """Make a command (dof,) rates [rad/s], none of which makes the hand too fast."""
-    limits, jacobian, n = view.scene.limits, view.jacobian, dof(view.scene.limb)
+    limits, slopes, n = view.scene.limits, view.jacobian, dof(view.scene.limb)
     x = y = z = 0.0
     for j in range(n):
         rates[j] *= limits.joint_speed[j]
-        x, y = x + jacobian[0, j] * rates[j], y + jacobian[1, j] * rates[j]
-        z += jacobian[2, j] * rates[j]
+        x, y = x + slopes[0, j] * rates[j], y + slopes[1, j] * rates[j]
+        z += slopes[2, j] * rates[j]
     speed = np.sqrt(x * x + y * y + z * z)
     if speed > limits.speed:
         for j in range(n):

@@ -136,50 +136,16 @@ def centre_motion(bodies, b, t, poses):
     )  # fmt: skip
 
 
-@njit(_nrt=False)
-def limb_velocity(joints, rates, elbow, x, y, z, on_forearm):
-    """Velocity (3) of the point (x, y, z) of a limb with joints and `rates` (dof,).
-
-    Parameters
-    ----------
-    elbow : tuple of 3 floats
-    on_forearm : bool
-        Whether the point is on the forearm, else it is on the upper arm.
-    """
-    c1, s1, c2, s2 = np.cos(joints[0]), np.sin(joints[0]), np.cos(joints[1]), np.sin(joints[1])
-    wx, wy, wz = rates[1] * s1, rates[0], rates[1] * c1
-    vx, vy, vz = wy * z - wz * y, wz * x - wx * z, wx * y - wy * x
-    if not on_forearm:
-        return vx, vy, vz
-    c3, s3 = np.cos(joints[2]), np.sin(joints[2])
-    x, y, z = x - elbow[0], y - elbow[1], z - elbow[2]
-    wx = rates[2] * c1 * c2 + rates[3] * (c1 * s2 * s3 + s1 * c3)
-    wy = rates[2] * s2 - rates[3] * c2 * s3
-    wz = -rates[2] * s1 * c2 + rates[3] * (c1 * c3 - s1 * s2 * s3)
-    return vx + wy * z - wz * y, vy + wz * x - wx * z, vz + wx * y - wy * x
-
-
 _HAIR = 2e-9  # share of the joints' speeds that is not used, against rounding
 SOFTER = 1e-6  # the same of accelerations, which short pieces tell with few digits
-
-
-@njit(_nrt=False, forceinline=True)
-def braking(rate, most):
-    """Way in steps' time until a joint rests that brakes by at most `most` in each step.
-
-    Rates change evenly within steps, so the last one, which takes what is left, counts in full.
-    """
-    whole = int(abs(rate) / most)
-    rest = abs(rate) - whole * most
-    return 0.5 * rest + whole * rest + 0.5 * whole * whole * most
 
 
 @njit(_nrt=False, forceinline=True)
 def _fastest_towards(room, most):
     """Greatest rate after a step of which the joint can rest `room` steps' rate farther on.
 
-    `room` has what the rate before the step takes of it off; the inverse of half a rate and its
-    `braking`.
+    `room` has what the rate before the step takes of it off; the inverse of half a rate and of the
+    way in steps' time until the joint rests, braking by at most `most` in each.
     """
     if room <= 0.0:
         return room

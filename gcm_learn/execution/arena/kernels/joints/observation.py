@@ -8,14 +8,11 @@ their own greatest ones.
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
-
 import numpy as np
 
 from gcm_learn.arms.limbs import dof, hand_of, place
 from gcm_learn.compiled import njit
-from gcm_learn.execution.arena.kernels.joints.chains import ChainWorld
-from gcm_learn.execution.arena.kernels.joints.limbs import (
+from gcm_learn.execution.arena.kernels.joints.chains import (
     approach_numbers,
     beside,
     gap_of,
@@ -96,7 +93,7 @@ def observe(view, time, posture, e, options, row):
     first = arm_numbers(limb)
     if options.fan:
         at = first + target_numbers(limb) + options.slots * OBSTACLE
-        tell_fan(limb, view, time, posture, e, target, where, first + UNTIL_AIM, row, at)
+        tell_fan(limb, view, time, posture, e, target, first + UNTIL_AIM, row, at)
     _tell_obstacles(view, time, posture, e, where, ahead, options.slots, row)
 
 
@@ -230,56 +227,41 @@ def _room(view, limb, b, time, where):
     return min((room - view.rules.touch) / view.reach, EXTREME)
 
 
-class JointKernels(NamedTuple):
-    """Kernels of many arms that move in their joints."""
+@njit(nogil=True)
+def observe_all(world, state, chosen, options, out):
+    """Write the observations of the arms `chosen` (k,) into their rows of `out`.
 
-    observe: Any
-    play: Any
-    ways_to_go: Any
-
-
-def kernels_in(world_type: type[World]) -> JointKernels:
-    """Return the kernels of many arms in a type of world.
-
-    Worlds come as plain tuples, so that a call is quick; the type chooses the kernels of limbs.
+    Worlds come as plain tuples here and below, so that a call is quick.
     """
-
-    @njit(nogil=True)
-    def observe_all(world, state, chosen, options, out):
-        """Write the observations of the arms `chosen` (k,) into their rows of `out`."""
-        worlds, states, how = world_type(*world), State(*state), Options(*options)
-        room = views_for(worlds, states, 0, states.place.size)
-        for k in range(chosen.size):
-            e = chosen[k]
-            view = view_in(worlds, states, e, room)
-            observe(view, states.time[e], states.posture, e, how, out[e])
-            hand = hand_of(view.scene.limb, place(view.scene.limb, view.joints[0]))
-            states.hand[e, 0], states.hand[e, 1], states.hand[e, 2] = hand
-
-    @njit(nogil=True)
-    def play(world, state, actions, options, told, first, last):
-        """Make a step of arms first to last - 1, and observe."""
-        worlds, states, how, out = world_type(*world), State(*state), Options(*options), Told(*told)
-        room = views_for(worlds, states, first, last)
-        for e in range(first, last):
-            view = step(worlds, states, e, actions, how, out, room)
-            row = out.observations[e]
-            observe(view, states.time[e], states.posture, e, how, row)
-
-    @njit(nogil=True)
-    def ways_to_go(world, state, out):
-        """Write the guide's potential of every arm."""
-        worlds, states = world_type(*world), State(*state)
-        room = views_for(worlds, states, 0, states.place.size)
-        for e in range(states.place.size):
-            view = view_in(worlds, states, e, room)
-            out[e] = way_to_go(view, states.time[e], states.posture, e)
-
-    return JointKernels(observe_all, play, ways_to_go)
+    worlds, states, how = World(*world), State(*state), Options(*options)
+    room = views_for(worlds, states, 0, states.place.size)
+    for k in range(chosen.size):
+        e = chosen[k]
+        view = view_in(worlds, states, e, room)
+        observe(view, states.time[e], states.posture, e, how, out[e])
+        hand = hand_of(view.scene.limb, place(view.scene.limb, view.joints[0]))
+        states.hand[e, 0], states.hand[e, 1], states.hand[e, 2] = hand
 
 
-SPATIAL_KERNELS = kernels_in(World)
-CHAIN_KERNELS = kernels_in(ChainWorld)
+@njit(nogil=True)
+def play(world, state, actions, options, told, first, last):
+    """Make a step of arms first to last - 1, and observe."""
+    worlds, states, how, out = World(*world), State(*state), Options(*options), Told(*told)
+    room = views_for(worlds, states, first, last)
+    for e in range(first, last):
+        view = step(worlds, states, e, actions, how, out, room)
+        row = out.observations[e]
+        observe(view, states.time[e], states.posture, e, how, row)
+
+
+@njit(nogil=True)
+def ways_to_go(world, state, out):
+    """Write the guide's potential of every arm."""
+    worlds, states = World(*world), State(*state)
+    room = views_for(worlds, states, 0, states.place.size)
+    for e in range(states.place.size):
+        view = view_in(worlds, states, e, room)
+        out[e] = way_to_go(view, states.time[e], states.posture, e)
 
 
 @njit(nogil=True)

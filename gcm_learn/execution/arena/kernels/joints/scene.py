@@ -9,7 +9,7 @@ import numpy as np
 from gcm_learn.arms.limbs import dof, reach_of
 from gcm_learn.collision.postures import Desk, desk_of
 from gcm_learn.compiled import njit
-from gcm_learn.execution.arena.kernels.joints.limbs import blank, buffers, limb_in
+from gcm_learn.execution.arena.kernels.joints.chains import blank, buffers, limb_in
 from gcm_learn.execution.arena.kernels.world import (
     GONE,
     MOST,

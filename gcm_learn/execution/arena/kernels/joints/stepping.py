@@ -13,7 +13,7 @@ from gcm_learn.arms.curves import hermite, line, on_curve
 from gcm_learn.arms.limbs import dof, hand_of, hand_rate, place
 from gcm_learn.collision.postures import least_on
 from gcm_learn.compiled import njit
-from gcm_learn.execution.arena.kernels.joints.limbs import brakes_slowly
+from gcm_learn.execution.arena.kernels.joints.chains import brakes_slowly
 from gcm_learn.execution.arena.kernels.joints.meeting import way_to_go
 from gcm_learn.execution.arena.kernels.joints.nearness import SOFTER, lay, wish
 from gcm_learn.execution.arena.kernels.joints.scene import view_in
