@@ -6,12 +6,15 @@ function.  So these kernels take the arrays that they need.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from gcm_learn.arms.curves import rate_of, turn_of
 from gcm_learn.compiled import njit
+
+if TYPE_CHECKING:
+    from gcm_learn.arms.chain import ChainModel
 
 REVOLUTE, PRISMATIC = 0.0, 1.0
 
@@ -24,6 +27,23 @@ class Tree(NamedTuple):
     lines: np.ndarray  # (k, 2): factor and offset of each joint's value
     depths: np.ndarray  # (m + 1,): joints that move each link, and last the hand
     paths: np.ndarray  # (m + 1, k): these joints, from the base outwards
+
+
+def tree_of(model: ChainModel) -> Tree:
+    """Return branches and followers of a chain as kernels read them."""
+    paths = [
+        model.path(frame) for frame in [*(link.joint for link in model.links), model.hand.joint]
+    ]
+    table = np.zeros((len(paths), len(model.joints)), dtype=np.int64)
+    for row, path in zip(table, paths, strict=True):
+        row[: len(path)] = path
+    return Tree(
+        parents=np.array([model.parent(k) for k in range(len(model.joints))]),
+        leaders=np.array([line.coordinate for line in model.lines]),
+        lines=np.array([[line.factor, line.offset] for line in model.lines]),
+        depths=np.array([len(path) for path in paths]),
+        paths=table,
+    )
 
 
 @njit(_nrt=False, forceinline=True)

@@ -26,11 +26,12 @@ from gcm_learn.arms.chain_frames import (
     point_on,
     sweep_links,
     travel_of,
+    tree_of,
 )
 from gcm_learn.arms.curves import on_curve, rate_of
 from gcm_learn.arms.link_gaps import nearest_pair
 from gcm_learn.arms.rotations import rotation_of
-from gcm_learn.arms.swivels import inverse, sweep_bones, travel_of_bones
+from gcm_learn.arms.swivels import inverse, speed_of_bones, sweep_bones, travel_of_bones
 from gcm_learn.compiled import njit
 
 POINT, AXIS = 0, 3  # columns of `ChainLimb.reaches`
@@ -186,6 +187,8 @@ def hand_travel(limb, q, p):
 @njit(_nrt=False)
 def hand_bound(limb, rates):
     """Bound of the hand's speed while the joints' rates are at most `rates` (n,)."""
+    if limb.solved.size > 0:
+        return speed_of_bones(limb.solved, rates)
     speed = 0.0
     for k in range(limb.tails.size):
         speed += rates[k] * limb.tails[k]
@@ -344,25 +347,8 @@ def limb_of_chain(arm: Chain, bodies: tuple[str, ...] = ()) -> ChainLimb:
         ways=np.zeros(m),
         turns=np.zeros(count),
         paces=np.zeros(count),
-        tree=None if model.serial else _tree(model),
+        tree=None if model.serial else tree_of(model),
         solved=np.empty(0),
-    )
-
-
-def _tree(model: ChainModel) -> Tree:
-    """Return branches and followers of a chain as kernels read them."""
-    paths = [
-        model.path(frame) for frame in [*(link.joint for link in model.links), model.hand.joint]
-    ]
-    table = np.zeros((len(paths), len(model.joints)), dtype=np.int64)
-    for row, path in zip(table, paths, strict=True):
-        row[: len(path)] = path
-    return Tree(
-        parents=np.array([model.parent(k) for k in range(len(model.joints))]),
-        leaders=np.array([line.coordinate for line in model.lines]),
-        lines=np.array([[line.factor, line.offset] for line in model.lines]),
-        depths=np.array([len(path) for path in paths]),
-        paths=table,
     )
 
 

@@ -33,47 +33,47 @@ def limbs_at(bones, joints, out):
             out[k, i] = row[i]
 
 
+ROOM = ("frames", "axes", "reaches", "balls", "near", "ways", "turns", "paces")
+"""Arrays of a limb that kernels write."""
+
+
 def spatial_limb_of(arm: SpatialArm, bodies: tuple[str, ...] = ()) -> ChainLimb:
     """Return a spatial arm as kernels read it."""
-    rho, length = math.hypot(*arm.upper_arm), math.hypot(*arm.forearm)
-    pole = _pole(arm.upper_arm, arm.forearm, arm.joint_range)
-    limb = limb_of_chain(_chain_of(arm), bodies)
-    balls = limb.balls.copy()
-    balls[:, 3] = (0.5 * rho, 0.5 * length)
+    limb = _limb(arm.upper_arm, arm.forearm, arm.joint_range, arm.max_joint_speed)
     return limb._replace(
-        radii=np.zeros(2),
-        thickness=arm.thickness,
-        length=length,
-        balls=balls * (1.0 + 1e-9),
+        start=np.array(arm.joints),
         rates=np.array(arm.joint_rates or (0.0,) * JOINTS),
-        solved=np.array(
-            [*arm.upper_arm, *arm.forearm, *_TOWARDS[pole], *_ACROSS[pole], rho, length]
-        ),
+        thickness=arm.thickness,
+        ignored=np.zeros((2, len(bodies)), dtype=np.bool_),
+        **{name: getattr(limb, name).copy() for name in ROOM},
     )
-
-
-def _chain_of(arm: SpatialArm) -> Chain:
-    """Return the chain that a spatial arm is; its links have the arm's thickness elsewhere."""
-    model = _model(arm.upper_arm, arm.forearm, arm.joint_range, arm.max_joint_speed)
-    return Chain(model, arm.joints, arm.grasp, max_joint_acceleration=None)
 
 
 @lru_cache(maxsize=64)
-def _model(
-    upper: tuple[float, ...],
-    fore: tuple[float, ...],
+def _limb(
+    upper: tuple[float, float, float],
+    fore: tuple[float, float, float],
     ranges: tuple[tuple[float, float], ...],
     speeds: tuple[float, ...],
-) -> ChainModel:
-    """Return joints about y, z, then beyond the elbow about x, z."""
+) -> ChainLimb:
+    """Return the limb of bones; it is kept, since one is packed for every situation.
+
+    Joints turn about y and z, then beyond the elbow about x and z.  Links have no radius of their
+    own, but the limb's thickness.
+    """
     axes, none = ((0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)), (0.0,) * 3
     joints = tuple(
-        ChainJoint(axis, pair, speed, origin=upper if k == 2 else none)  # type: ignore[arg-type]
+        ChainJoint(axis, pair, speed, origin=upper if k == 2 else none)
         for k, (axis, pair, speed) in enumerate(zip(axes, ranges, speeds, strict=True))
     )
-    links = tuple(Link(2 * k + 2, none, bone, 1.0) for k, bone in enumerate((upper, fore)))  # type: ignore[arg-type]
-    along = tuple(x / math.hypot(*fore) for x in fore)
-    return ChainModel("", joints, links, Hand(JOINTS, fore, along))  # type: ignore[arg-type]
+    rho, length, pole = math.hypot(*upper), math.hypot(*fore), _pole(upper, fore, ranges)
+    hand = Hand(JOINTS, fore, (fore[0] / length, fore[1] / length, fore[2] / length))
+    links = Link(2, none, upper, 1.0), Link(4, none, fore, 1.0)
+    model = ChainModel("", joints, links, hand)
+    limb = limb_of_chain(Chain(model, tuple(low for low, _ in ranges), 0.0))
+    limb.balls[:, 3] = np.array([0.5 * rho, 0.5 * length]) * (1.0 + 1e-9)
+    numbers = [*upper, *fore, *_TOWARDS[pole], *_ACROSS[pole], rho, length]
+    return limb._replace(radii=np.zeros(2), length=length, solved=np.array(numbers))
 
 
 def forward_in_space(arm: SpatialArm, joints: ArrayLike) -> tuple[np.ndarray, np.ndarray]:

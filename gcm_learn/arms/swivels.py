@@ -65,6 +65,13 @@ def sweep_bones(solved, hand, curve, s, half, ways):
 
 
 @njit(_nrt=False)
+def speed_of_bones(solved, rates):
+    """Bound of the hand's speed; joints 1 and 2 turn about orthogonal axes, as do 3 and 4."""
+    turn, bend = np.hypot(rates[0], rates[1]), np.hypot(rates[2], rates[3])
+    return turn * (solved[RHO] + solved[LENGTH]) + bend * solved[LENGTH]
+
+
+@njit(_nrt=False)
 def travel_of_bones(solved, q, p):
     """Bound how far points of both bones travel on the line from q to p (4,); see `sweep_bones`."""
     shoulder = np.hypot(p[0] - q[0], p[1] - q[1])

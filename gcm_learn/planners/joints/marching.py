@@ -49,6 +49,7 @@ class HandMarching:
     cells: tuple[int, ...] = CELLS
     """Along a side of the lattices, one after the other."""
     name: ClassVar[str] = "marching"
+    accelerates: ClassVar[bool] = False
     takes = staticmethod(in_joints)
 
     def plan(self, situation: AnySituation) -> Plan:
