@@ -21,9 +21,9 @@ EXCESS = 0.15  # by which a shared trait is more frequent than among all
 def about_clusters(
     found: Clusters, moves: Clusters, tries: CrossTries, shown: np.ndarray
 ) -> dict[str, Any]:
-    """Return what a page tells of clusters, and of those of the same catches' movements.
+    """Return the texts and numbers of a page about clusters.
 
-    Points of the page are the catches `shown` (m,), medoids among them.
+    Its points are the catches `shown` (m,), medoids among them; `moves` are clusters of movements.
     """
     memory, name = found.memory, NAMES[found.by]
     labels = {
