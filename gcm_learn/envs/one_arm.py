@@ -69,25 +69,7 @@ def placing_of(situation: AnySituation, frame: Any) -> Placing:
     return _PLACINGS.of(situation)(situation, frame)
 
 
-POOL = 256  # situations that an environment draws from a family, by default
-
-
-def plant_for(
-    arena: execution.Arena,
-    count: int,
-    situations: execution.Source | execution.Pool | None,
-    settings: execution.ArenaSettings,
-    *,
-    pool: int,
-    pool_seed: int,
-    body: execution.AnyBody,
-    threads: int = 1,
-) -> execution.Batch:
-    """Return so many arms of an arena, from the arguments of environments."""
-    made = situations if situations is not None else arena.family
-    if not isinstance(made, execution.Pool):
-        made = execution.pool_of(made, pool, pool_seed, settings, body)
-    return arena.plant(made, count, settings, threads)
+POOL = 256  # situations of a family in which an environment's episodes begin, by default
 
 
 def box(plant: execution.Batch) -> spaces.Box:
@@ -135,7 +117,7 @@ class OneArm(gymnasium.Env[np.ndarray, np.ndarray]):
         By default those of the arena's family.
     render_mode : {"rgb_array", "human"}, optional
     pool : int
-        Number of situations that are drawn or read.
+        Number of situations that are read, or that resets choose from and draw.
     pool_seed : int
         Of the draws.
     body : ArmBody, str or Path, optional
@@ -170,10 +152,11 @@ class OneArm(gymnasium.Env[np.ndarray, np.ndarray]):
         chosen = execution.settings_of(
             self.arena.settings, settings, control=control, fan=fan, embedding=embedding, arm=arm
         )
-        self.plant: Any = plant_for(
-            self.arena, 1, situations, chosen, pool=pool, pool_seed=pool_seed, body=body
-        )
-        self.pool, self.settings, self.render_mode = self.plant.pool, chosen, render_mode
+        made = situations if situations is not None else self.arena.family
+        held = execution.reserve_of(made, pool, pool_seed, chosen, body)
+        self.plant: Any = self.arena.plant(held.at(0)[0], 1, chosen)
+        self._held = self.plant.pool if isinstance(held, execution.Pool) else held
+        self.settings, self.render_mode = chosen, render_mode
         self.observation_space, self.action_space = box(self.plant), commands(self.plant)
         self._body = body
         self._path: list[tuple[float, ...]] = []
@@ -184,6 +167,12 @@ class OneArm(gymnasium.Env[np.ndarray, np.ndarray]):
         self._everyone = np.zeros(1, dtype=np.int64)
         self._places = np.zeros(1, dtype=np.int64)
         self._placings: dict[int, Placing] = {}  # of the pool's situations
+
+    @property
+    def pool(self) -> execution.Pool:
+        """All situations in which episodes begin."""
+        whole: execution.Pool = self._held.whole
+        return whole
 
     @property
     def frame(self) -> Any:
@@ -210,24 +199,30 @@ class OneArm(gymnasium.Env[np.ndarray, np.ndarray]):
         situation, index = wanted.pop("situation", None), wanted.pop("index", None)
         if wanted:
             raise ArenaError(f"options: {sorted(wanted)[0]!r} is not one of situation, index")
-        self.plant.pool = self.pool
         if situation is not None:
             if not isinstance(situation, Situation):
                 raise ArenaError(f"options.situation: must be a situation (got {situation!r})")
             given = execution.pool_for(self.settings, [situation], self._body)
-            self.plant.pool, index = self.settings.prepared(given), 0
-        elif index is None:
-            index = int(self.np_random.integers(len(self.pool)))
-        elif not 0 <= index < len(self.pool):
-            raise ArenaError(f"options.index: must be from 0 to {len(self.pool) - 1} (got {index})")
-        self._places[0] = index
+            self.plant.pool, self._places[0], index = self.settings.prepared(given), 0, None
+        else:
+            index = self._chosen(index)
+            self.plant.pool, self._places[0] = self._held.at(index)
         self.plant.put(self._everyone, self._places)
         self._path = [self._where()]
-        self._placing = self._placing_of(int(index))
+        self._placing = self._placing_of(index)
         self._several = self.situation.catch != "any"
         if self.render_mode == "human":
             self.render()
         return self.plant.observations[0].copy(), self._info(execution.RUNNING)
+
+    def _chosen(self, index: int | None) -> int:
+        """Return the index of a situation, drawn at random if none is given."""
+        count = len(self._held)
+        if index is None:
+            return int(self.np_random.integers(count))
+        if not 0 <= index < count:
+            raise ArenaError(f"options.index: must be from 0 to {count - 1} (got {index})")
+        return int(index)
 
     def step(self, action: np.ndarray) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
         """Move for `dt` seconds; an action of another shape, or not finite, is an error."""
@@ -252,9 +247,9 @@ class OneArm(gymnasium.Env[np.ndarray, np.ndarray]):
         state = self.plant.state
         return (state.time.item(0), *state.posture[0].tolist())
 
-    def _placing_of(self, index: int) -> Placing:
-        """Return the way from the arm's coordinates to the world's; keep it for the pool's."""
-        if self.plant.pool is not self.pool:
+    def _placing_of(self, index: int | None) -> Placing:
+        """Return the way from the arm's coordinates to the world's; keep it by an index."""
+        if index is None:
             return placing_of(self.situation, self.frame)
         if index not in self._placings:
             self._placings[index] = placing_of(self.situation, self.frame)

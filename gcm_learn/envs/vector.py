@@ -11,7 +11,7 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
 from gcm_learn import execution
-from gcm_learn.envs.one_arm import POOL, box, commands, finite, plant_for
+from gcm_learn.envs.one_arm import POOL, box, commands, finite
 from gcm_learn.errors import ArenaError
 
 
@@ -57,10 +57,10 @@ class ManyArms(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         chosen = execution.settings_of(
             self.arena.settings, settings, control=control, fan=fan, embedding=embedding, arm=arm
         )
-        plant: Any = plant_for(
-            self.arena, num_envs, situations, chosen,
-            pool=pool, pool_seed=pool_seed, body=body, threads=threads,
-        )  # fmt: skip
+        made = situations if situations is not None else self.arena.family
+        if not isinstance(made, execution.Pool):
+            made = execution.pool_of(made, pool, pool_seed, chosen, body)
+        plant: Any = self.arena.plant(made, num_envs, chosen, threads)
         self.plant, self.pool, self.settings = plant, plant.pool, chosen
         self.num_envs, self.render_mode = num_envs, None
         self.single_observation_space, self.single_action_space = box(plant), commands(plant)

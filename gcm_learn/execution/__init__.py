@@ -40,12 +40,14 @@ from gcm_learn.execution.arenas import (
     ARENAS as ARENAS,
     AnyBody as AnyBody,
     Arena as Arena,
+    Reserve as Reserve,
     Source as Source,
     arena_named as arena_named,
     arena_of as arena_of,
     plant_of as plant_of,
     pool_for as pool_for,
     pool_of as pool_of,
+    reserve_of as reserve_of,
     situations_of as situations_of,
 )
 from gcm_learn.execution.body.arms import (

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
-from typing import Any, cast
+from typing import Any, TypeGuard, cast
 
 from gcm_learn import seeding
 from gcm_learn.arms import Kind
@@ -59,15 +60,24 @@ def found_in(source: Source, count: int, seed: int) -> Sequence[AnySituation]:
     if isinstance(source, Situation):
         return [source]
     source = named(source)
-    if isinstance(source, Family) or (isinstance(source, str) and source in PRESETS):
-        root = int(seeding.rng(seed, SALT).integers(2**62))
-        return [draw(source, root, k) for k in range(count)]
+    if is_drawn(source):
+        return [item(source, seed, k) for k in range(count)]
     if isinstance(source, str | Path):
         return _read(Path(source), count)
     found: list[AnySituation] = list(source)  # type: ignore[arg-type]
     if not found or not all(isinstance(s, Situation) for s in found):
         raise ArenaError("situations: must be situations, at least one")
     return found
+
+
+def is_drawn(source: Source) -> TypeGuard[str | Family]:
+    """Return whether a source is a family or a preset, of which an index is drawn by itself."""
+    return isinstance(source, Family) or (isinstance(source, str) and source in PRESETS)
+
+
+def item(source: str | Family, seed: int, index: int) -> AnySituation:
+    """Draw the situation at an index of a pool."""
+    return draw(source, int(seeding.rng(seed, SALT).integers(2**62)), index)
 
 
 def named(source: Source) -> Source:
@@ -254,9 +264,67 @@ def pool_of(
     ArenaError
         If there is none.
     """
-    found, begins = situations_of(source, count, seed, settings), arena_of(settings).begins
+    found = situations_of(source, count, seed, settings)
     if not isinstance(source, Situation):
-        found = [s for s in found if start_clearance(pack(s)) > 0.0 and begins(s, settings.dt)]
+        found = [s for s in found if _can_begin(s, settings)]
         if not found:
-            raise ArenaError("situations: in none of them an episode can begin")
+            raise ArenaError(NONE)
     return pool_for(settings, found, body)
+
+
+NONE = "situations: in none of them an episode can begin"
+
+
+def _can_begin(situation: AnySituation, settings: ArenaSettings) -> bool:
+    """Return whether the limb starts free, and the arm can be stopped."""
+    begins = arena_of(settings).begins
+    return start_clearance(pack(situation)) > 0.0 and begins(situation, settings.dt)
+
+
+@dataclass(frozen=True)
+class Reserve:
+    """Situations of a family, each drawn and packed when an episode first begins in it."""
+
+    source: str | Family
+    count: int
+    seed: int
+    settings: ArenaSettings
+
+    def __len__(self) -> int:
+        return self.count
+
+    @cached_property
+    def _packed(self) -> dict[int, Pool]:
+        return {}
+
+    @cached_property
+    def whole(self) -> Pool:
+        """All of them, drawn ahead."""
+        return self.settings.prepared(pool_of(self.source, self.count, self.seed, self.settings))
+
+    def at(self, index: int) -> tuple[Pool, int]:
+        """Return a pool with the situation at an index, and its place there.
+
+        An index whose situation is blocked stands for the next one that is not.
+        """
+        if index not in self._packed:
+            after = ((index + k) % self.count for k in range(self.count))
+            drawn = (item(self.source, self.seed, k) for k in after)
+            free = next((s for s in drawn if _can_begin(s, self.settings)), None)
+            if free is None:
+                raise ArenaError(NONE)
+            self._packed[index] = self.settings.prepared(pool_for(self.settings, [free]))
+        return self._packed[index], 0
+
+
+def reserve_of(
+    source: Source | Pool, count: int, seed: int, settings: ArenaSettings, body: AnyBody = None
+) -> Pool | Reserve:
+    """Return what `pool_of` does; a family of arms without mass is drawn later, by index."""
+    if isinstance(source, Pool):
+        return source
+    arena = arena_of(settings)
+    chosen = named(arena.eligible(source, settings))
+    if is_drawn(chosen) and arena.packed is _without_bodies and body is None:
+        return Reserve(chosen, count, seed, settings)
+    return pool_of(source, count, seed, settings, body)

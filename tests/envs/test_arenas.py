@@ -14,11 +14,13 @@ from gcm_learn import families
 from gcm_learn.arms import CHAIN, PLANAR, SPATIAL
 from gcm_learn.errors import ArenaError, ArmKindError, MissingExtraError, PhysicsError
 from gcm_learn.execution import (
+    ARENAS,
     ChainPhysicalSettings,
     ChainSettings,
     PhysicalSettings,
     Settings,
     SpatialSettings,
+    arenas as table,
     pool_for,
     pool_of,
 )
@@ -76,9 +78,9 @@ def pool(name, pools):
     return pools[name]
 
 
-def one(name, pool, **options):
+def one(name, situations, **options):
     """Return an environment with one arm."""
-    return getattr(envs, name)(pool, **options)
+    return getattr(envs, name)(situations, **options)
 
 
 def many(name, count, pool, **options):
@@ -171,6 +173,58 @@ def test_presets_are_drawn():
     cage = solid_ball("cage", (0.0, 0.0, 0.0), radius=9.0)
     blocked = [replace(s, bodies=(*s.bodies, cage)) for s in drawn]
     said = refusal(ArenaError, envs.CatchChain, blocked)
+    assert said == "situations: in none of them an episode can begin"
+
+
+DRAWN = [("CatchArm", None), ("CatchArm", "gate"), ("CatchArm3D", "space-sequences"),
+         ("CatchChain", "panda-easy")]  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "source"), DRAWN)
+def test_what_a_reset_draws_is_what_is_drawn_ahead(name, source, rng):
+    """In any order, and with the same observations."""
+    settings, count = SETTINGS[name](), 7
+    ahead = pool_of(source or ARENAS[f"{name}-v0"].family, count, 5, settings)
+    made, known = one(name, source, pool=count, pool_seed=5), one(name, ahead)
+    for index in (None, *rng.permutation(2 * count) % count):
+        options = None if index is None else {"index": index}
+        seen, info = made.reset(seed=3, options=options)
+        same, told = known.reset(seed=3, options=options)
+        np.testing.assert_array_equal(seen, same)
+        np.testing.assert_array_equal(info["hand"], told["hand"])
+        assert made.situation == known.situation
+    assert made.pool.situations == ahead.situations
+
+
+@pytest.mark.parametrize("name", ["CatchArm", "CatchArm3D", "CatchChain"])
+def test_making_one_draws_no_more_than_a_reset_does(name, monkeypatch):
+    drawn = []
+    monkeypatch.setattr(table, "draw", lambda *asked: drawn.append(asked) or families.draw(*asked))
+    made = one(name, None)
+    assert len(drawn) <= 1
+    for seed in (0, 1, 0):
+        made.reset(seed=seed)
+    assert len(drawn) <= 3
+    made.reset(options={"situation": made.situation})
+    assert len(drawn) <= 3
+
+
+def test_a_blocked_situation_gives_place_to_the_next(monkeypatch):
+    cage = solid_ball("cage", (0.0, 0.0, 0.0), radius=9.0)
+
+    def sometimes(family, seed, index):
+        made = families.draw("throw-chain", seed, index)
+        return replace(made, bodies=(*made.bodies, cage)) if index in blocked else made
+
+    monkeypatch.setattr(table, "draw", sometimes)
+    blocked, names = {1, 2, 4}, []
+    made = one("CatchChain", None, pool=5)
+    for index in range(5):
+        made.reset(options={"index": index})
+        names.append(int(made.situation.name[-1]))
+    assert names == [0, 3, 3, 3, 0]
+    blocked = set(range(5))
+    said = refusal(ArenaError, one, "CatchChain", None, pool=5)
     assert said == "situations: in none of them an episode can begin"
 
 

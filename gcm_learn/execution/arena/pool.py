@@ -136,6 +136,15 @@ class Pool:
         """Return the same situations with times to go (s, n, n); see `guidance.fields_of`."""
         return replace(self, world=self.world._replace(fields=fields.astype(np.float32)))
 
+    @property
+    def whole(self) -> Pool:
+        """All of them; a `Reserve` has to draw them."""
+        return self
+
+    def at(self, index: int) -> tuple[Pool, int]:
+        """Return the pool, and the place in it of the situation at an index."""
+        return self, index
+
     def part(self, chosen: Sequence[int] | np.ndarray) -> Pool:
         """Return some of the situations, packed anew; everything that is known comes with them."""
         rows = [int(i) for i in chosen]
