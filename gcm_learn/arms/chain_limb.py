@@ -256,9 +256,9 @@ def axis_turns(limb, q, out):
 def postures_at(limb, x, y, z, k, count, low, high, out):
     """Write the postures with swivel k of count; without a closed-form inverse, one posture.
 
-    That is point k of an additive recurrence between `low` and `high`, and has to be pulled to
-    where the hand should be.  The steps are powers of the root of x^(n+1) = x + 1 (M. Roberts,
-    2018), which fill a box evenly.
+    The one posture is point k of an additive recurrence between `low` and `high`.  The caller
+    pulls it to where the hand should be.  The steps are powers of the root of x^(n+1) = x + 1
+    (M. Roberts, 2018), which fill a box evenly.
     """
     if limb.solved.size > 0:
         return inverse(limb, x, y, z, 2.0 * np.pi * k / count, limb.start, out)

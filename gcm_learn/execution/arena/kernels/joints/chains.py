@@ -226,7 +226,7 @@ def tell_sizes(limb, place, touch, reach, row, at):
 
 @njit(_nrt=False, forceinline=True)
 def approach_numbers(limb):
-    """Count of the numbers of an approach, which spatial arms are not told."""
+    """Count of the numbers of an approach; spatial arms observe none."""
     return 0 if inverts(limb) else _APPROACH
 
 
