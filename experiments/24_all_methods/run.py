@@ -28,7 +28,7 @@ OTHERS = {
     "ppo, seed 1": "scratch-1", "ppo, seed 2": "scratch-2", "clone of search": "clone-search",
     "ppo, 0.6 M steps": "ppo-former",
 }  # fmt: skip
-"""Entrants of the hypothesis alone, by their folders in `models/checkpoints`."""
+"""Entrants of the hypothesis alone, by their folders in `others/`."""
 PAIRS = [
     *((name, "search") for name in [*ROWS, *OTHERS] if name != "search"),
     ("ppo", "clone of search"), ("ppo", "ppo, 0.6 M steps"), ("ppo-guide", "ppo"),
@@ -38,7 +38,7 @@ HEAD = ["entrant", "kind", "W and Q, 0 ms [%]", "W and Q, 20 ms [%]", "natural, 
         "touched [%]", "median [ms]", "training [h]"]  # fmt: skip
 TRAINED = {
     "recall": ["encoder"], "recall-map": ["encoder", "encoder-map"], "ppo": ["ppo"],
-    "ppo-guide": ["ppo-guide"], "ppo-clone": ["checkpoints/clone-search", "ppo-clone"],
+    "ppo-guide": ["ppo-guide"], "ppo-clone": [HERE / "others/clone-search", "ppo-clone"],
 }  # fmt: skip
 
 
@@ -86,7 +86,7 @@ def main() -> None:
     given = parser.parse_args()
     found = cases(*given.on.split(","), count=given.count, seed=given.seed)
     who = [Entrant(name, name) for name in ROWS]
-    who += [Entrant(name, str(MODELS / "checkpoints" / folder)) for name, folder in OTHERS.items()]
+    who += [Entrant(name, str(HERE / "others" / folder)) for name, folder in OTHERS.items()]
     sheet = ask(who, found, CONDITIONS, keep=OUT)
     sheet.save(OUT / "sheet.parquet")
     counted = sheet.where((sheet["suite"] == "W") | (sheet["suite"] == "Q"))
