@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from gcm_learn.arms import swivels
 from gcm_learn.arms.chain import Chain, ChainModel
 from gcm_learn.arms.chain_frames import (
     PRISMATIC,
@@ -30,8 +31,7 @@ from gcm_learn.arms.chain_frames import (
 )
 from gcm_learn.arms.curves import on_curve, rate_of
 from gcm_learn.arms.link_gaps import nearest_pair
-from gcm_learn.arms.rotations import rotation_of
-from gcm_learn.arms.swivels import inverse, speed_of_bones, sweep_bones, travel_of_bones
+from gcm_learn.arms.rotations import frame_along, rotation_of
 from gcm_learn.compiled import njit
 
 POINT, AXIS = 0, 3  # columns of `ChainLimb.reaches`
@@ -54,8 +54,8 @@ class ChainLimb(NamedTuple):
     length: float  # unit of resolutions and safeties
     start: np.ndarray  # (n,) joints at t = 0
     rates: np.ndarray  # (n,) of the joints at t = 0
-    frames: np.ndarray  # (k + 1, 12): rotation (9), origin (3) of every frame; written by `place`
-    axes: np.ndarray  # (k, 6): a point on each joint's axis and its direction; written by `place`
+    frames: np.ndarray  # (k + 1, 12): rotation (9), origin (3) of every frame
+    axes: np.ndarray  # (k, 6): a point on each joint's axis and its direction
     reaches: np.ndarray  # (m + 1, 6): ends of the links, then hand and axis; written by `place`
     balls: np.ndarray  # (m, 4): centre, written by `place`, and radius of balls about the links
     near: np.ndarray  # (m,): links; written by `near_links`
@@ -67,11 +67,30 @@ class ChainLimb(NamedTuple):
 
 
 @njit(_nrt=False, forceinline=True)
+def inverts(limb):
+    """Return whether the inverse has a closed form; else postures have to be pulled."""
+    return limb.solved.size > 0
+
+
+@njit(_nrt=False, forceinline=True)
 def place(limb, q):
-    """Write frames, axes and links at a posture (n,) into the limb's arrays."""
-    place_frames(limb.joints, q, limb.frames, limb.axes, limb.tree)
-    place_links(limb.carriers, limb.ends, limb.frames, limb.reaches, limb.balls)
+    """Write links at a posture (n,) into the limb's arrays.
+
+    Frames and axes are written, too, unless the inverse has a closed form; see `place_axes`.
+    """
+    if inverts(limb):
+        swivels.place_bones(limb.solved, q, limb.reaches, limb.balls)
+    else:
+        place_frames(limb.joints, q, limb.frames, limb.axes, limb.tree)
+        place_links(limb.carriers, limb.ends, limb.frames, limb.reaches, limb.balls)
     return q.size
+
+
+@njit(_nrt=False, forceinline=True)
+def place_axes(limb, q):
+    """Write frames and axes at a posture (n,) where `place` leaves them out."""
+    if inverts(limb):
+        place_frames(limb.joints, q, limb.frames, limb.axes, limb.tree)
 
 
 @njit(_nrt=False)
@@ -141,8 +160,8 @@ def still(limb):
 @njit(_nrt=False, forceinline=True)
 def swept(limb, curve, s, half, place):
     """Note how far points of each link travel from share s of a move to s +- half."""
-    if limb.solved.size > 0:
-        sweep_bones(limb.solved, hand_of(limb, place), curve, s, half, limb.ways)
+    if inverts(limb):
+        swivels.sweep_bones(limb.solved, hand_of(limb, place), curve, s, half, limb.ways)
         return 0
     sweep_links(
         limb.joints, limb.axes, limb.reaches, limb.carriers, curve, s, half, limb.turns,
@@ -176,8 +195,8 @@ def hand_rate(limb, curve, s, q):
 @njit(_nrt=False)
 def hand_travel(limb, q, p):
     """Bound how far the hand travels on the straight move from q to p (n,)."""
-    if limb.solved.size > 0:
-        return travel_of_bones(limb.solved, q, p)
+    if inverts(limb):
+        return swivels.travel_of_bones(limb.solved, q, p)
     way = 0.0
     for k in range(limb.tails.size):
         way += abs(p[k] - q[k]) * limb.tails[k]
@@ -187,8 +206,8 @@ def hand_travel(limb, q, p):
 @njit(_nrt=False)
 def hand_bound(limb, rates):
     """Bound of the hand's speed while the joints' rates are at most `rates` (n,)."""
-    if limb.solved.size > 0:
-        return speed_of_bones(limb.solved, rates)
+    if inverts(limb):
+        return swivels.speed_of_bones(limb.solved, rates)
     speed = 0.0
     for k in range(limb.tails.size):
         speed += rates[k] * limb.tails[k]
@@ -239,6 +258,7 @@ def lever(limb):
 @njit(_nrt=False)
 def axis_turns(limb, q, out):
     """Write the derivative of the hand's axis, after `place`, into `out` (3, n)."""
+    place_axes(limb, q)
     x, y, z = axis_of(limb, 0)
     out[:] = 0.0
     hand = limb.radii.size
@@ -260,8 +280,8 @@ def postures_at(limb, x, y, z, k, count, low, high, out):
     pulls it to where the hand should be.  The steps are powers of the root of x^(n+1) = x + 1
     (M. Roberts, 2018), which fill a box evenly.
     """
-    if limb.solved.size > 0:
-        return inverse(limb, x, y, z, 2.0 * np.pi * k / count, limb.start, out)
+    if inverts(limb):
+        return swivels.inverse(limb, x, y, z, 2.0 * np.pi * k / count, limb.start, out)
     n = limb.low.size
     ratio = 2.0
     for _ in range(20):
@@ -273,14 +293,9 @@ def postures_at(limb, x, y, z, k, count, low, high, out):
 
 
 @njit(_nrt=False)
-def inverts(limb):
-    """Return whether the inverse has a closed form; else postures have to be pulled."""
-    return limb.solved.size > 0
-
-
-@njit(_nrt=False)
 def jacobian(limb, q, out):
     """Write the derivative of the hand by the coordinates, after `place`, into `out` (3, n)."""
+    place_axes(limb, q)
     x, y, z = hand_of(limb, 0)
     hand = limb.radii.size
     count = depth_of(limb.tree, limb.carriers, hand)
@@ -361,7 +376,7 @@ def _axes_along_z(model: ChainModel) -> tuple[np.ndarray, np.ndarray]:
     """
     turned, rows = [np.eye(3)], []
     for k, joint in enumerate(model.joints):
-        before, turn = turned[model.parent(k)], _to_z(np.array(joint.axis))
+        before, turn = turned[model.parent(k)], frame_along(np.array(joint.axis))
         turned.append(turn)
         kind = REVOLUTE if joint.type == "revolute" else PRISMATIC
         rotation = before.T @ rotation_of(joint.rotation) @ turn
@@ -378,12 +393,3 @@ def _balls(ends: np.ndarray, radii: np.ndarray) -> np.ndarray:
     # rounded up, as a link must not stick out
     balls[:, 3] = (0.5 * np.linalg.norm(ends[:, 3:] - ends[:, :3], axis=1) + radii) * (1.0 + 1e-9)
     return balls
-
-
-def _to_z(axis: np.ndarray) -> np.ndarray:
-    """Return a rotation (3, 3) whose third column is a unit vector (3,)."""
-    if axis[0] == axis[1] == 0.0 < axis[2]:
-        return np.eye(3)
-    first = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
-    first /= np.linalg.norm(first)
-    return np.stack([first, np.cross(axis, first), axis], axis=1)

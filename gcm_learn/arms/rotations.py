@@ -86,3 +86,12 @@ def unit_quaternion(
         rotation = tuple(part / length for part in rotation)
     w, x, y, z = rotation
     return (w, x, y, z)
+
+
+def frame_along(axis: np.ndarray) -> np.ndarray:
+    """Return a rotation (3, 3) whose third column is a unit vector (3,)."""
+    if axis[0] == axis[1] == 0.0 < axis[2]:
+        return np.eye(3)
+    first = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
+    first /= np.linalg.norm(first)
+    return np.stack([first, np.cross(axis, first), axis], axis=1)

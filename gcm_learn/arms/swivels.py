@@ -50,6 +50,21 @@ def limb_at(limb, q):
 
 
 @njit(_nrt=False)
+def place_bones(solved, q, reaches, balls):
+    """Write both bones, the hand with its axis, and the bones' midpoints; see `place`."""
+    ex, ey, ez, x, y, z = bones_at(solved, q)
+    ux, uy, uz, far = x - ex, y - ey, z - ez, 1.0 / solved[LENGTH]
+    reaches[0, 0], reaches[0, 1], reaches[0, 2] = 0.0, 0.0, 0.0
+    reaches[0, 3], reaches[0, 4], reaches[0, 5] = ex, ey, ez
+    reaches[1, 0], reaches[1, 1], reaches[1, 2] = ex, ey, ez
+    reaches[1, 3], reaches[1, 4], reaches[1, 5] = x, y, z
+    reaches[2, 0], reaches[2, 1], reaches[2, 2] = x, y, z
+    reaches[2, 3], reaches[2, 4], reaches[2, 5] = far * ux, far * uy, far * uz
+    balls[0, 0], balls[0, 1], balls[0, 2] = 0.5 * ex, 0.5 * ey, 0.5 * ez
+    balls[1, 0], balls[1, 1], balls[1, 2] = 0.5 * (ex + x), 0.5 * (ey + y), 0.5 * (ez + z)
+
+
+@njit(_nrt=False)
 def sweep_bones(solved, hand, curve, s, half, ways):
     """Write how far points of upper arm and forearm travel into `ways` (2,); see `swept`.
 

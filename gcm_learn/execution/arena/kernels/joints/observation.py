@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from gcm_learn.arms.chain_limb import place_axes
 from gcm_learn.arms.limbs import dof, hand_of, place
 from gcm_learn.compiled import njit
 from gcm_learn.execution.arena.kernels.joints.chains import (
@@ -181,6 +182,7 @@ def _tell_obstacles(view, time, posture, e, where, ahead, slots, row):
         gaps[k] = gap_of(limb, where, view.scene.bodies, which[k], time, enough, view.desk.poses)
     for j in range(n):
         view.rates[0, j] = posture[e, n + j]
+    place_axes(limb, view.joints[0])
     for _ in range(slots):
         nearest = 0
         for k in range(1, which.size):
