@@ -28,6 +28,7 @@ from gcm_learn.arms.kinds import (
     solution_format as solution_format,
 )
 from gcm_learn.arms.kinematics import (
+    forward_in_space as forward_in_space,
     hand_speed as hand_speed,
     hands_along as hands_along,
     links_along as links_along,
@@ -59,7 +60,6 @@ from gcm_learn.arms.spatial import (
     SpatialArm as SpatialArm,
 )
 from gcm_learn.arms.spatial_limb import (
-    forward_in_space as forward_in_space,
     inverse_in_space as inverse_in_space,
     spatial_limb_of as spatial_limb_of,
     swivel_in_space as swivel_in_space,

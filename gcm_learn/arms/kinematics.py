@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from gcm_learn.arms.kinds import kind_of
 from gcm_learn.arms.limbs import axis_of, hand_of, jacobian, link, link_count, place
 from gcm_learn.arms.rotations import rotation_of
+from gcm_learn.arms.spatial import SpatialArm
 from gcm_learn.compiled import njit
 
 
@@ -67,7 +68,26 @@ def links_along(arm: Any, joints: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
     radii : (m,) ndarray
     """
     links, radii, _ = _traced(arm, joints)
-    return _in_world(arm, links.reshape(len(links), -1, 2, 3)), radii
+    return _in_world(arm, links.reshape(*links.shape[:2], 2, 3)), radii
+
+
+def forward_in_space(arm: SpatialArm, joints: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
+    """Elbow and hand of joint angles, in the world.
+
+    Parameters
+    ----------
+    arm : SpatialArm
+    joints : (..., 4) array_like
+        Joint angles [rad], in their ranges or not.
+
+    Returns
+    -------
+    elbow, hand : (..., 3) ndarray
+    """
+    given = np.asarray(joints, dtype=float)
+    ends, _ = links_along(arm, given)
+    rows = ends[:, :, 1].reshape(*given.shape[:-1], 2, 3)
+    return rows[..., 0, :], rows[..., 1, :]
 
 
 def off_segment(points: np.ndarray, start: ArrayLike, end: ArrayLike) -> np.ndarray:

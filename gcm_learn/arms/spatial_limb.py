@@ -24,15 +24,6 @@ SAMPLES = 1024  # postures from which a pole keeps away
 NEAREST = 3  # of them, less one, may be nearer to it than its distance
 
 
-@njit(_nrt=False)
-def limbs_at(bones, joints, out):
-    """Elbows and hands of joints (n, 4), into `out` (n, 6)."""
-    for k in range(joints.shape[0]):
-        row = bones_at(bones, joints[k])
-        for i in range(6):
-            out[k, i] = row[i]
-
-
 ROOM = ("frames", "axes", "reaches", "balls", "near", "ways", "turns", "paces")
 """Arrays of a limb that kernels write."""
 
@@ -74,27 +65,6 @@ def _limb(
     limb.balls[:, 3] = np.array([0.5 * rho, 0.5 * length]) * (1.0 + 1e-9)
     numbers = [*upper, *fore, *_TOWARDS[pole], *_ACROSS[pole], rho, length]
     return limb._replace(radii=np.zeros(2), length=length, solved=np.array(numbers))
-
-
-def forward_in_space(arm: SpatialArm, joints: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
-    """Elbow and hand of joint angles, in the world.
-
-    Parameters
-    ----------
-    arm : SpatialArm
-    joints : (..., 4) array_like
-        Joint angles [rad], in their ranges or not.
-
-    Returns
-    -------
-    elbow, hand : (..., 3) ndarray
-    """
-    given = np.ascontiguousarray(joints, dtype=float)
-    out = np.empty((given.size // JOINTS, 6))
-    limbs_at(np.array([*arm.upper_arm, *arm.forearm]), given.reshape(-1, JOINTS), out)
-    rows = out.reshape(*given.shape[:-1], 2, 3) @ rotation_of(arm.base.rotation).T
-    world = rows + np.array(arm.base.origin)
-    return world[..., 0, :], world[..., 1, :]
 
 
 @lru_cache(maxsize=64)

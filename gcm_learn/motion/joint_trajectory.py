@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from gcm_learn.arms import CHAIN, PLANAR, SPATIAL, ByKind
+from gcm_learn.arms import CHAIN, PLANAR, ByKind
 from gcm_learn.errors import FieldError
 from gcm_learn.motion.movement import Movement
 
@@ -18,7 +18,6 @@ NANO = 1_000_000_000
 _NAMES = ByKind(
     {
         PLANAR: lambda arm: ["shoulder", "elbow"],
-        SPATIAL: lambda arm: [f"joint_{k + 1}" for k in range(len(arm.joints))],
         CHAIN: lambda arm: [
             joint.name or f"joint_{k + 1}"
             for k, joint in enumerate(arm.model.joints)

@@ -8,17 +8,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from gcm_learn.arms import SIDE, SPATIAL, ByKind, forward_in_space, hands_along, joints_of
+from gcm_learn.arms import SIDE, forward_in_space, hands_along, joints_of
 
 HAND_REST = 0.01  # a hand rests when it is slower than this share of its greatest speed on the way
 REST = 1e-6  # joints that are slower than this rest [rad/s]
 CREEP = 0.02  # of its fastest sample; a smooth curve that waits is slower, and never quite still
-
-
-_HANDS = ByKind(
-    {SPATIAL: lambda arm, joints: forward_in_space(arm, joints)[1]},
-    default=lambda arm, joints: hands_along(arm, joints)[0],
-)
 
 
 class Wait(NamedTuple):
@@ -185,7 +179,7 @@ class Movement:
 
     def _hands(self, joints: np.ndarray) -> np.ndarray:
         """Hands (..., 3) of joints (..., dof)."""
-        return _HANDS.of(self.arm)(self.arm, joints).reshape(*joints.shape[:-1], 3)
+        return hands_along(self.arm, joints)[0].reshape(*joints.shape[:-1], 3)
 
 
 def _interpolated(t: float | np.ndarray, time: np.ndarray, values: np.ndarray) -> np.ndarray:

@@ -15,7 +15,7 @@ from itertools import chain
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gcm_learn.arms import IDENTITY, PLANAR, Base, ByKind, Chain, SpatialArm, rotation_of
+from gcm_learn.arms import IDENTITY, Base, Chain, SpatialArm, rotation_of
 from gcm_learn.situation.body import Body
 from gcm_learn.situation.laws import carried, sides
 from gcm_learn.situation.situation import AnySituation, Plane, Situation
@@ -41,20 +41,10 @@ def arm_frame(situation: AnySituation) -> tuple[np.ndarray, np.ndarray]:
         Its rows are the arm's axes: x, y and normal of the arm plane, or x, y, z of the base.
     origin : (3,) ndarray
     """
-    return _FRAME.of(situation)(situation)
-
-
-def _base_frame(situation: AnySituation) -> tuple[np.ndarray, np.ndarray]:
-    """Return rotation and origin of an arm that stands on a base."""
-    base = situation.arm.base  # type: ignore[union-attr]
+    base = getattr(situation.arm, "base", None)
+    if base is None:
+        return plane_frame(situation.plane)
     return rotation_of(base.rotation).T, np.asarray(base.origin)
-
-
-def _arm_plane(situation: AnySituation) -> tuple[np.ndarray, np.ndarray]:
-    return plane_frame(situation.plane)
-
-
-_FRAME = ByKind({PLANAR: _arm_plane}, default=_base_frame)
 
 
 NOTHING = 1e-9
