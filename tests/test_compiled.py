@@ -9,7 +9,6 @@ import shutil
 import subprocess
 import sys
 import textwrap
-import zlib
 from concurrent.futures import ThreadPoolExecutor
 from types import SimpleNamespace
 from typing import NamedTuple
@@ -135,7 +134,7 @@ def garbage(path):
 def unknown(path):
     """Code that names a module which is not there."""
     code = b"cgcm_learn.arms.newer_limb\nNewer\n."
-    path.write_bytes(zlib.crc32(code).to_bytes(4, "little") + code)
+    path.write_bytes(cache._checksum(path, code) + code)
 
 
 def in_the_way(path):
@@ -156,6 +155,15 @@ def test_damaged_code_is_compiled_and_kept_anew(ours, damage):
         damage(path)
     assert answers(ours, 2) == 1
     assert answers(ours, 2) == (damage is in_the_way)
+
+
+def test_code_in_the_file_of_other_code_is_compiled_anew(ours):
+    assert answers(ours, 2) == 1 and answers(ours, 0.5) == 1
+    one, other = kept_files(ours)
+    swapped = other.read_bytes(), one.read_bytes()
+    one.write_bytes(swapped[0])
+    other.write_bytes(swapped[1])
+    assert answers(ours, 2) == 1 and answers(ours, 0.5) == 1
 
 
 @pytest.mark.parametrize("times", [8, pytest.param(200, marks=pytest.mark.slow)])

@@ -87,21 +87,6 @@ def last_use(ways, end, speed, x, y, z=0.0):
 
 
 @njit
-def safe_until(postures, cells, since, until, count, end, shortest):
-    """Find when each of the cells that are free at `since` is touched next; `end` if never.
-
-    Parameters
-    ----------
-    cells, since : (count,) ndarray
-        Flat indices and times [s].
-    until : (count,) ndarray
-        Filled [s].
-    """
-    until[:count] = end
-    shorten(postures, cells, since, until, count, shortest)
-
-
-@njit
 def shorten(postures, cells, since, until, count, shortest):
     """Lower `until` where a cell that is free at `since` is touched before; see above."""
     bodies, limb, gap, _, scratch = postures

@@ -55,34 +55,3 @@ def free_until(scene, q, since, until, touch, shortest, desk):
         safe = t + stays
         t += max(stays, shortest)
     return until
-
-
-@njit(_nrt=False)
-def free_spans(scene, q, since, until, touch, shortest, desk, out):
-    """Spans of time in which a limb may rest at joints q (n,), into `out` (k, 2).
-
-    Spans shorter than `shortest` [s] may be missed, and those beyond what `out` holds are left
-    out; the ends of a span are inside it.
-
-    Returns
-    -------
-    count : int
-    """
-    where, t, count, begun = place(scene.limb, q), since, 0, False
-    safe = since
-    while t <= until and count < out.shape[0]:
-        free, stays = state_at(scene, where, t, touch, desk)
-        if free:
-            if not begun:
-                begun, out[count, 0] = True, t
-            safe = t + stays
-        elif begun:
-            begun, out[count, 1] = False, min(safe, t)
-            count += 1
-        if t >= until:
-            break
-        t = min(t + max(stays, shortest), until)
-    if begun:
-        out[count, 1] = until
-        count += 1
-    return count

@@ -131,7 +131,7 @@ class Cache:
                 file = self._file(Place(folder(), _machine(data.codegen)), sig)
                 code = dumps(data._reduce())
                 file.parent.mkdir(parents=True, exist_ok=True)
-                storage.write_whole(file, zlib.crc32(code).to_bytes(4, "little") + code)
+                storage.write_whole(file, _checksum(file, code) + code)
 
     def flush(self) -> None:
         """Remove all, as numba asks for before it compiles anew."""
@@ -161,10 +161,16 @@ class Cache:
         return storage.content_hash(self._function.__code__.co_code, dumps(cells))
 
 
+def _checksum(path: Path, code: bytes | memoryview) -> bytes:
+    """Return the checksum of code that belongs into a file and its folder, and no other."""
+    place = f"{path.parent.name}/{path.name}".encode()
+    return zlib.crc32(code, zlib.crc32(place)).to_bytes(4, "little")
+
+
 def _read(path: Path) -> Any:
     """Return the data in a file, behind a checksum."""
     code = memoryview(path.read_bytes())
-    if code[:4] != zlib.crc32(code[4:]).to_bytes(4, "little"):
+    if code[:4] != _checksum(path, code[4:]):
         raise ValueError("damaged")
     return _Unpickler(io.BytesIO(code[4:])).load()
 

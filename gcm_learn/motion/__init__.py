@@ -10,7 +10,6 @@ from gcm_learn.motion.interception import (
 )
 from gcm_learn.motion.joint_interception import (
     fastest_hand as fastest_hand,
-    resting_in_space as resting_in_space,
 )
 from gcm_learn.motion.joint_trajectory import (
     joint_names as joint_names,

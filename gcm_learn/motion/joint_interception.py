@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from gcm_learn.arms.curves import line, on_curve
+from gcm_learn.arms.curves import on_curve
 from gcm_learn.arms.limbs import (
     axis_bound,
     axis_of,
@@ -14,11 +14,8 @@ from gcm_learn.arms.limbs import (
     place,
     reach_of,
 )
-from gcm_learn.collision.postures import desk_of
-from gcm_learn.collision.rests import free_until
 from gcm_learn.collision.solids import point_distance
 from gcm_learn.compiled import njit
-from gcm_learn.scene import Scene
 from gcm_learn.scene.bodies import (
     APPROACH,
     HAND,
@@ -30,7 +27,6 @@ from gcm_learn.scene.bodies import (
     turn_at,
 )
 
-_LOOKS = 20_000  # at a resting limb, at most
 ANGLE = 3e-7  # by which an approach may miss its angle; the contract grants 1e-6 [rad]
 _CLOSE = 1e-5  # share of the horizon too short to differ from now
 
@@ -196,32 +192,3 @@ def may_be_met(scene, poses):
                 return True
             t += wait
     return False
-
-
-def resting_in_space(scene: Scene, until: float) -> tuple[float, float]:
-    """Return what comes to an arm that rests from t = 0 on.
-
-    Parameters
-    ----------
-    scene : Scene
-    until : float
-        [s]
-
-    Returns
-    -------
-    touched : float
-        Until when nothing touches the limb [s]; infinite if nothing does before `until`.
-    met : float
-        When a target first comes within grasp [s]; -1 if none does before `until`.
-    """
-    return _resting(scene, until, until / _LOOKS)
-
-
-@njit
-def _resting(scene, until, shortest):
-    desk, start = desk_of(scene), scene.limb.start
-    line(start, start, desk.curve)
-    grasp = scene.limits.grasp
-    met, _ = first_meeting(scene, desk.curve, 0.0, until, grasp, shortest, desk.poses)
-    free = free_until(scene, start, 0.0, until, scene.limb.thickness, shortest, desk)
-    return free if free < until else np.inf, met

@@ -78,10 +78,6 @@ class SpatialFrame:
         values = np.asarray(joints, dtype=float)
         return values * _TURNS + 0.0 if self.mirrored else values.copy()
 
-    def original_joints(self, joints: ArrayLike) -> np.ndarray:
-        """Joint angles or rates (..., dof) in canonical coordinates, in the situation."""
-        return self.canonical_joints(joints)  # a mirror is its own inverse
-
     @property
     def _sides(self) -> np.ndarray:
         return _MIRROR if self.mirrored else np.ones(3)

@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
 from gcm_learn.arms.limbs import (
     hand_of,
     place,
-    postures_at,
     reach_of,
 )
-from gcm_learn.collision.postures import free_at
 from gcm_learn.compiled import njit
 from gcm_learn.motion.joint_interception import (
     target_room,
@@ -21,51 +17,13 @@ from gcm_learn.planners.joints.moves import (
     rest_is_free,
     time_of,
     timed_move_is_free,
-    turning_time,
 )
-from gcm_learn.planners.joints.pull import box, met_from, pulled, slope_at
+from gcm_learn.planners.joints.pull import met_from, slope_at
 
-ALIKE = 0.12  # postures no farther apart than this are one goal [rad]
 HALVINGS = 10  # of the time by which a catch may become earlier
-CENTRE, FROM_HAND, FROM_SHOULDER = range(3)  # places of a target that the hand is put to
+CENTRE, FROM_HAND, _ = range(3)  # places of a target that the hand is put to; last from the base
 PLACES = 3
 RIM = 1e-6  # share of the reach that is not used
-
-
-class Goals(NamedTuple):
-    """Postures that catch, in order of time."""
-
-    time: np.ndarray  # (m,) [s]
-    joints: np.ndarray  # (m, dof) [rad]
-    body: np.ndarray  # (m,)
-    size: np.ndarray  # (1,): how many there are
-
-
-def no_goals(dof: int, targets: int, instants: int, swivels: int) -> Goals:
-    """Room for goals."""
-    most = targets * instants * (2 * swivels + 1) * PLACES
-    return Goals(
-        np.empty(most), np.empty((most, dof)), np.empty(most, np.int64), np.zeros(1, np.int64)
-    )
-
-
-@njit(_nrt=False)
-def _keep(study, goals, b, t, q):
-    """Note a posture that catches body b at t [s] if it is free then, and not next to another."""
-    k = goals.size[0]
-    i = k - 1
-    while i >= 0 and goals.time[i] == t and goals.body[i] == b:
-        away = 0.0
-        for j in range(q.size):
-            away = max(away, abs(goals.joints[i, j] - q[j]))
-        if away < ALIKE:
-            return
-        i -= 1
-    if k < goals.time.size and free_at(study.scene, q, t, study.touch, study.desk):
-        for j in range(q.size):
-            goals.joints[k, j] = q[j]
-        goals.time[k], goals.body[k] = t, b
-        goals.size[0] = k + 1
 
 
 @njit(_nrt=False)
@@ -94,37 +52,6 @@ def place_on(study, b, t, which):
     if away <= far:
         return x, y, z, True
     return x * far / away, y * far / away, z * far / away, False
-
-
-@njit(_nrt=False)
-def add_goals(study, goals, b, t, swivels, turn, which):
-    """Add postures that catch body b at t [s]: the next one to the start, and some round a circle.
-
-    Parameters
-    ----------
-    swivels : int
-        How many of the second kind.
-    which : int
-        Where their hands are: at the target's centre, or at a point nearest to something.
-    turn : float
-        The first of them is `turn` of the way to the second.
-    """
-    scene, q, poses = study.scene, study.goal, study.desk.poses
-    limb = scene.limb
-    if which == CENTRE:
-        box(study, limb.start, t)
-        for j in range(q.size):
-            q[j] = limb.start[j]
-        if pulled(study, b, t, q):
-            _keep(study, goals, b, t, q)
-    x, y, z, there = place_on(study, b, t, which)
-    if not there and target_room(scene, b, x, y, z, t, poses) > study.catch:
-        return
-    for k in range(swivels):
-        found = postures_at(limb, x, y, z, k + turn, swivels, study.low, study.high, study.branches)
-        for i in range(found):
-            if turning_time(scene.limits.joint_speed, limb.start, study.branches[i]) <= t:
-                _keep(study, goals, b, t, study.branches[i])
 
 
 @njit(_nrt=False)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
 
@@ -18,7 +19,7 @@ from gcm_learn.motion.joint_interception import (
     target_room,
 )
 from gcm_learn.planners.completion import Attempt, SpatialProblem, checked
-from gcm_learn.planners.joints.goals import PLACES, Goals, place_on
+from gcm_learn.planners.joints.goals import PLACES, place_on
 from gcm_learn.planners.joints.moves import (
     Study,
     rest_is_free,
@@ -33,6 +34,15 @@ SWIVELS = 12  # of the elbow that are tried for one place of the hand
 INSTANTS = 48  # of the horizon at which interceptions are looked for
 _HALVINGS = 8  # of an instant, to find the earliest interception
 SHORTEST = 1e-9  # a leg that takes less is one piece [s]
+
+
+class Goals(NamedTuple):
+    """Postures that catch, in order of time."""
+
+    time: np.ndarray  # (m,) [s]
+    joints: np.ndarray  # (m, dof) [rad]
+    body: np.ndarray  # (m,)
+    size: np.ndarray  # (1,): how many there are
 
 
 @njit(_nrt=False)
