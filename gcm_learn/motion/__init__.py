@@ -1,7 +1,6 @@
 """Timed movement: trajectories, timing under limits, interception, verification."""
 
 from gcm_learn.motion.as_obstacles import as_obstacles as as_obstacles
-from gcm_learn.motion.clearance import RESOLUTION as RESOLUTION, clearance as clearance
 from gcm_learn.motion.failures import Failure as Failure, Reason as Reason
 from gcm_learn.motion.interception import (
     anywhere as anywhere,
@@ -42,7 +41,9 @@ from gcm_learn.motion.touching import (
 from gcm_learn.motion.verification import (
     HOLE_MARGIN as HOLE_MARGIN,
     PARTS as PARTS,
+    RESOLUTION as RESOLUTION,
     Verdict as Verdict,
+    clearance as clearance,
     joint_turns as joint_turns,
     verify as verify,
 )

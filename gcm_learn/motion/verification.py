@@ -11,13 +11,13 @@ from gcm_learn.arms.planar_limb import joints_of
 from gcm_learn.collision.sweep import least_distance
 from gcm_learn.compiled import njit
 from gcm_learn.motion import joint_verification
-from gcm_learn.motion.clearance import RESOLUTION
 from gcm_learn.motion.failures import Failure, Reason
 from gcm_learn.motion.movement import Movement
 from gcm_learn.motion.rules import CATCH_SAFETY, Rules
-from gcm_learn.scene import Scene
+from gcm_learn.scene import Scene, pack
 from gcm_learn.scene.bodies import pose_at
 from gcm_learn.scene.shapes.choice import gap_in_plane
+from gcm_learn.situation import Situation
 
 SPEED_TOLERANCE = 1e-7  # relative; the contract grants 1e-6
 PARTS = 16  # pieces of a segment on which joint speeds are measured
@@ -266,3 +266,33 @@ def _turns_too_fast(scene, time, hand):
         if turns[k, 0] > shoulder * span or turns[k, 1] > elbow * span:
             return True
     return False
+
+
+RESOLUTION = 2e-4  # the reported clearance is at most this above the true one [forearm lengths]
+
+
+def clearance(
+    situation: Situation, trajectory: Movement, scene: Scene | None = None
+) -> tuple[float, float]:
+    """Smallest distance between limb and obstacles along a trajectory, less the thickness.
+
+    Parameters
+    ----------
+    situation : Situation
+    trajectory : Movement
+        Linear between its samples.
+    scene : Scene, optional
+        The situation packed, if the caller has it at hand.
+
+    Returns
+    -------
+    clearance : float
+        [forearm lengths], within 2e-4 of the true one; infinite without obstacles, and not
+        above zero if the limb touches at any instant.
+    when : float
+        The time of it [s].
+    """
+    scene = pack(situation) if scene is None else scene
+    thickness = scene.limb.thickness
+    distance, when = least_distance(scene, trajectory.time, trajectory.hand, thickness, RESOLUTION)
+    return (float("inf") if distance > 1e200 else distance - thickness), when

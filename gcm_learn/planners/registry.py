@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import pkgutil
+from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar, cast, overload
 from weakref import WeakValueDictionary
 
-from gcm_learn.arms import PLANAR, SPATIAL, ByKind, SpatialArm
+from gcm_learn.arms import PLANAR, SPATIAL, ByKind, Kind, SpatialArm
 from gcm_learn.errors import UnknownNameError
-from gcm_learn.planners.by_arm import ByArm
 from gcm_learn.planners.names import all_planner_names, is_registered
 from gcm_learn.planners.outside import LIMIT, Outside
 from gcm_learn.planners.plan import Anytime, Deadline, Plan, Planner, taken
@@ -192,3 +193,46 @@ def plan_with(
     if deadline is None:
         return chosen.plan(given)
     return cast(Anytime, chosen).plan(given, deadline=deadline)
+
+
+class ByArm:
+    """Planners under one name, of which the situation's kind of arm chooses.
+
+    Parameters
+    ----------
+    name : str
+        Name under which all are registered.
+    places : ByKind of str
+        Place of each planner's factory.
+    make : callable
+        Make the planner of a place; called once for each, when it is needed.
+    """
+
+    def __init__(self, name: str, places: ByKind[str], make: Callable[[str], Any]) -> None:
+        self.name, self._places, self._make = name, places, cache(make)
+        places.who = f"planner {name!r}"
+
+    @property
+    def anytime(self) -> bool:
+        """True if all planners take a deadline; see `Anytime`."""
+        made = map(self._make, self._places.entries())
+        return all(getattr(planner, "anytime", False) for planner in made)
+
+    def takes(self, kind: Kind) -> bool:
+        """Return whether there is a planner for arms of a kind."""
+        return self._places.takes(kind)
+
+    def for_arm(self, situation: Any) -> Any:
+        """Return the planner for a situation's kind of arm."""
+        return self._make(self._places.of(situation))
+
+    def plan(
+        self,
+        situation: Any,
+        bound: float | None = None,
+        deadline: float | Deadline | None = None,
+    ) -> Plan:
+        """Answer a situation; a bound and a deadline are for planners that take them."""
+        given = {"bound": bound, "deadline": deadline}
+        known = {k: v for k, v in given.items() if v is not None}
+        return self.for_arm(situation).plan(situation, **known)

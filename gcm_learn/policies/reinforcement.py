@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import json
 import zipfile
 from collections.abc import Callable
@@ -15,7 +16,9 @@ from stable_baselines3 import PPO
 from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.off_policy_algorithm import OffPolicyAlgorithm
+from stable_baselines3.common.policies import ActorCriticPolicy
 from stable_baselines3.common.save_util import load_from_zip_file
+from stable_baselines3.common.torch_layers import MlpExtractor
 from stable_baselines3.common.vec_env import VecNormalize
 from torch import nn
 
@@ -25,7 +28,6 @@ from gcm_learn.execution import RUNNING, ArenaSettings, Pool, Steps, plant_of
 from gcm_learn.policies.actor import CLIP, LEARNER, Actor
 from gcm_learn.policies.cloning import layers_of
 from gcm_learn.policies.directions import said
-from gcm_learn.policies.networks import Bfloat16Policy
 from gcm_learn.policies.plan import WHOLE, TrainingPlan, algorithm
 from gcm_learn.policies.vec_env import ArenaVecEnv
 from gcm_learn.storage import whole_file
@@ -249,3 +251,41 @@ def _fill(buffer: Any, path: Path) -> None:
             getattr(buffer, name)[: len(kept[name])] = kept[name]
         buffer.pos = int(kept["next_place"])
         buffer.full = len(kept["rewards"]) == buffer.buffer_size
+
+
+class Bfloat16Policy(ActorCriticPolicy):
+    """Policy and value of PPO; weights, heads, losses and optimiser stay float32."""
+
+    def _build_mlp_extractor(self) -> None:
+        self.mlp_extractor = _Layers(
+            self.features_dim, self.net_arch, self.activation_fn, self.device
+        )
+
+
+class _Layers(MlpExtractor):
+    """Layers before the heads, from features (n, width) to latent numbers (n, units) float32."""
+
+    def forward_actor(self, features: torch.Tensor) -> torch.Tensor:
+        """Compute the latent numbers of the policy."""
+        with torch.autocast("cpu", torch.bfloat16):
+            return super().forward_actor(features).float()
+
+    def forward_critic(self, features: torch.Tensor) -> torch.Tensor:
+        """Compute the latent numbers of the value."""
+        with torch.autocast("cpu", torch.bfloat16):
+            return super().forward_critic(features).float()
+
+
+_KEPT = {-1: 1 << 30, -3: 32 << 20}
+"""Bytes for glibc's mallopt: freed ones that stay (M_TRIM_THRESHOLD), and up to which blocks are
+taken from them (M_MMAP_THRESHOLD)."""
+
+
+def keep_memory() -> None:
+    """Let this process keep freed memory; taking pages anew costs a quarter of a gradient step.
+
+    Nothing happens where there is no mallopt.
+    """
+    mallopt = getattr(ctypes.CDLL(None), "mallopt", lambda which, size: 0)
+    for which, size in _KEPT.items():
+        mallopt(which, size)

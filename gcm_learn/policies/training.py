@@ -299,9 +299,9 @@ def _parts(shown: Lot) -> Iterator[tuple[Pool, list[Any]]]:
 
 def _reinforce(run: Run, lot: Lot, judge: _Judge) -> None:
     """Let a learner act and learn, judged and kept every so often."""
-    from gcm_learn.policies import networks, reinforcement as rl
+    from gcm_learn.policies import reinforcement as rl
 
-    networks.keep_memory()
+    rl.keep_memory()
     plan, folder = run.plan, run.folder
     settings = plan.settings
     if settings.weights.guide != 0.0:

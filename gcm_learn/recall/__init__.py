@@ -33,6 +33,7 @@ from gcm_learn.recall.encoder import (
     load_encoder as load_encoder,
     save_encoder as save_encoder,
 )
+from gcm_learn.recall.features import Sizes as Sizes
 from gcm_learn.recall.files import MANIFEST as MANIFEST, is_memory as is_memory
 from gcm_learn.recall.growth import remember as remember
 from gcm_learn.recall.index import (
@@ -49,7 +50,6 @@ from gcm_learn.recall.kinds import (
     raw_features as raw_features,
     waypoints_of as waypoints_of,
 )
-from gcm_learn.recall.lessons import Sizes as Sizes
 from gcm_learn.recall.planners import (
     HybridPlanner as HybridPlanner,
     RecallPlanner as RecallPlanner,

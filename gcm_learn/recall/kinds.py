@@ -28,10 +28,10 @@ from gcm_learn.recall.adaptation import (
 )
 from gcm_learn.recall.features import (
     Features,
+    Sizes,
     hand_path_features,
     joint_path_features,
 )
-from gcm_learn.recall.lessons import Sizes
 from gcm_learn.recall.map_features import (
     coarse_map,
     joint_map_features,

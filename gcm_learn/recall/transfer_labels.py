@@ -23,10 +23,9 @@ from gcm_learn.dataset import Dataset, Record, quantities_of, uncollected
 from gcm_learn.errors import RecallError
 from gcm_learn.processes import Crew, Here
 from gcm_learn.recall.adaptation import DEFAULT
-from gcm_learn.recall.features import FeatureBatch, Features, batched
+from gcm_learn.recall.features import FeatureBatch, Features, Sizes, batched
 from gcm_learn.recall.growth import Source, source_of
 from gcm_learn.recall.kinds import MEMORIES
-from gcm_learn.recall.lessons import Sizes
 from gcm_learn.scene import TOP_SPEED
 from gcm_learn.situation import AnySituation
 from gcm_learn.storage import write_whole

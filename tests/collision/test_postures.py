@@ -5,7 +5,6 @@ import pytest
 
 from gcm_learn.arms.curves import hermite, line, on_curve
 from gcm_learn.collision.postures import desk_of, distance_at, least_on, move_is_free
-from gcm_learn.collision.rests import free_until
 from gcm_learn.scene import pack
 from gcm_learn.situation import read_situations
 from tests.spatial import EXAMPLES
@@ -62,19 +61,6 @@ def test_a_move_is_free_where_its_least_distance_says_so(k):
             assert answers[-1] == (least > touch)
     if desk.obstacles.size:
         assert True in answers and False in answers
-
-
-@pytest.mark.parametrize("k", range(0, len(SITUATIONS), 9))
-def test_a_resting_limb_is_free_until_the_first_touch(k):
-    scene, rng = pack(SITUATIONS[k]), np.random.default_rng(k)
-    desk, horizon, touch = desk_of(scene), SITUATIONS[k].horizon, scene.limb.thickness
-    instants = np.linspace(0.0, horizon, 400)
-    for _ in range(10):
-        q = anywhere(scene, rng)
-        free = np.array([distance_at(scene, q, t, desk) > touch for t in instants])
-        until = free_until(scene, q, 0.0, horizon, touch, 1e-3, desk)
-        first = horizon if free.all() else instants[np.argmin(free)]
-        assert first - horizon / 100 - 2e-3 <= until <= first + 1e-9
 
 
 def test_hermite_goes_through_its_ends_with_their_rates():

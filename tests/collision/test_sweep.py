@@ -13,7 +13,7 @@ from gcm_learn.collision.sweep import Sweep, least_in_segment, limb_sweep
 from gcm_learn.families.random_planar import random_planar
 from gcm_learn.families.random_solid import random_shape, random_solid
 from gcm_learn.motion import Movement
-from gcm_learn.motion.clearance import RESOLUTION, clearance
+from gcm_learn.motion.verification import RESOLUTION, clearance
 from gcm_learn.scene.packing import pack
 from gcm_learn.situation import (
     Body,

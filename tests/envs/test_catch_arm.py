@@ -7,12 +7,11 @@ import numpy as np
 import pytest
 
 from gcm_learn import planners
-from gcm_learn.motion.clearance import clearance
 from gcm_learn.motion.failures import Failure
 from gcm_learn.motion.movement import Movement
 from gcm_learn.motion.rules import rules_of
 from gcm_learn.motion.timing import refine
-from gcm_learn.motion.verification import verify
+from gcm_learn.motion.verification import clearance, verify
 from gcm_learn.planners.completion import Problem
 from gcm_learn.scene.packing import pack
 from gcm_learn.situation.canonical import canonical

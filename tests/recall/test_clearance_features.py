@@ -7,8 +7,8 @@ import numpy as np
 from gcm_learn import seeding
 from gcm_learn.families.random_planar import random_planar
 from gcm_learn.families.random_solid import random_solid
-from gcm_learn.motion.clearance import clearance
 from gcm_learn.motion.movement import Movement
+from gcm_learn.motion.verification import clearance
 from gcm_learn.recall.features import TOUCH, batched
 from gcm_learn.recall.hand_features import (
     CELLS,
