@@ -73,7 +73,7 @@ wheel:  ## build the wheel, and one with compiled kernels for it, into dist/
 wheel-test: wheel  ## install both wheels into an empty environment, and time first answers there
 	rm -rf build/wheel-test && mkdir -p build/wheel-test && $(PYTHON) -m venv build/wheel-test/venv
 	build/wheel-test/venv/bin/pip install -q -c constraints.txt dist/*.whl gymnasium
-	cd build/wheel-test && venv/bin/gcm-learn draw gate --count 3 --out gates.jsonl && venv/bin/gcm-learn solve gates.jsonl --planner hybrid
+	cd build/wheel-test && venv/bin/gcm-learn draw gate --count 3 --out gates.jsonl && venv/bin/gcm-learn solve gates.jsonl --planner hybrid > answers.jsonl
 	cd build/wheel-test && venv/bin/python ../../tests/installed.py
 
 clean:  ## remove what was built, except .venv

@@ -54,7 +54,7 @@ def main(runs: Sequence[Path]) -> None:
     ax.set_ylabel("caught of the validation situations [%]", fontsize=style.SMALL)
     ax.set_ylim(0, 100)
     ax.spines[["top", "right"]].set_visible(False)
-    ax.legend(fontsize=style.SMALL, frameon=False, loc="lower right")
+    ax.legend(fontsize=style.SMALL, frameon=False, loc="center right")
     figure.savefig(HERE / "curves.png", dpi=150)
 
 
