@@ -116,8 +116,7 @@ def _gap_to_capsules(limb, where, slack, bodies, b, t, off, enough, poses):
     if count == 0:
         return 1e300, 1e300
     links = (limb.near, limb.reaches, limb.balls, limb.radii, limb.ways, limb.ignored)
-    hinged = inverts(limb) and bodies.rows[b, TOP_SPEED] == 0.0
-    return _gap_to_near(links, count, bodies, b, t, turned, off, enough, hinged, poses)
+    return _gap_to_near(links, count, bodies, b, t, turned, off, enough, inverts(limb), poses)
 
 
 @njit(_nrt=False)
@@ -137,10 +136,11 @@ def _hinged_room(bodies, b, elbow, slack, poses):
 
 
 @njit(_nrt=False)
-def _gap_to_near(arrays, count, bodies, b, t, turned, off, enough, hinged, poses):
+def _gap_to_near(arrays, count, bodies, b, t, turned, off, enough, bones, poses):
     """Ask some links.  The ball about a link settles most, the distance of its axis the others.
 
-    The first link of a `hinged` limb begins at the shoulder, which does not move.
+    The links of a limb of two `bones` are long, and their balls settle little.  The first begins at
+    the shoulder, which does not move.
     """
     near, links, balls, radii, ways, ignored = arrays
     x, y, z, reach = poses[b, 0], poses[b, 1], poses[b, 2], bodies.rows[b, REACH]
@@ -154,16 +154,19 @@ def _gap_to_near(arrays, count, bodies, b, t, turned, off, enough, hinged, poses
         )  # fmt: skip
         slip = ways[i] + off
         gap = off_bone(x - px, y - py, z - pz, qx - px, qy - py, qz - pz) - reach - radii[i]
+        if gap >= best and gap - slip >= room:
+            continue
         if bodies.rows[b, BALL] == 0.0 and gap - slip <= enough:
             if turned:
                 rotate(bodies, b, t, poses)
                 turned = False
-            u, v, w, ball = balls[i, 0], balls[i, 1], balls[i, 2], balls[i, 3]
-            gap = max(gap, point_distance(bodies, poses, b, u, v, w) - ball)
-            if gap - slip <= enough:
+            if not bones:
+                u, v, w, ball = balls[i, 0], balls[i, 1], balls[i, 2], balls[i, 3]
+                gap = max(gap, point_distance(bodies, poses, b, u, v, w) - ball)
+            if gap - slip <= enough and (gap < best or gap - slip < room):
                 gap = bone_distance(bodies, poses, b, (px, py, pz), (qx, qy, qz)) - radii[i]
         left = gap - slip
-        if hinged and i == 0 and left <= enough and slip > 0.0:
+        if bones and i == 0 and left <= enough and slip > 0.0 == bodies.rows[b, TOP_SPEED]:
             left = max(left, _hinged_room(bodies, b, (qx, qy, qz), slip, poses) - radii[i])
         best, room = min(best, gap), min(room, left)
     return best, room
