@@ -9,22 +9,9 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from gcm_learn.arms import Chain, hands_along, limb_of_chain, links_along
+from gcm_learn.arms import Chain, hands_along, limb_of_chain, limbs, links_along
 from gcm_learn.arms.chain_limb import travel
 from gcm_learn.arms.curves import hermite, on_curve
-from gcm_learn.arms.limbs import (
-    axis_bound,
-    axis_turns,
-    hand_bound,
-    hand_rate,
-    hand_travel,
-    jacobian,
-    lever,
-    place,
-    self_gap,
-    still,
-    swept,
-)
 from gcm_learn.motion.joint_verification import hand_too_fast
 from gcm_learn.situation.arm_files import arm_members
 from tests import strategies
@@ -120,9 +107,9 @@ def test_derivatives_are_differences(arms, data, seed):
     arm = data.draw(arms)
     limb, q = limb_of_chain(arm), postures(arm, seed, 1)[0]
     turns, moves, h = np.zeros((3, arm.dof)), np.zeros((3, arm.dof)), 1e-6
-    place(limb, q)
-    jacobian(limb, q, moves)
-    axis_turns(limb, q, turns)
+    limbs.place(limb, q)
+    limbs.jacobian(limb, q, moves)
+    limbs.axis_turns(limb, q, turns)
     at_base = replace(arm, base=type(arm.base)())
     for j in range(arm.dof):
         step = h * np.eye(arm.dof)[j]
@@ -139,7 +126,7 @@ def test_no_point_of_a_link_travels_farther_than_its_bound(arms, data, seed, wid
     middle, half = 0.5, 0.5 * width
     joints = along(curve, np.linspace(middle - half, middle + half, 101))
     at = along(curve, np.array([middle]))
-    swept(limb, curve, middle, half, place(limb, at[0]))
+    limbs.swept(limb, curve, middle, half, limbs.place(limb, at[0]))
     (now, _), (then, _) = links_along(arm, at), links_along(arm, joints)
     way = np.linalg.norm(then - now, axis=3).max(axis=(0, 2))
     assert (way <= limb.ways + HAIR).all()
@@ -152,7 +139,7 @@ def test_travel_bounds_any_turns_either_way(arms, data, seed, most):
     arm = data.draw(arms)
     limb, (q,) = limb_of_chain(arm), postures(arm, seed, 1)
     rng, factors = np.random.default_rng(seed), arm.model.factors
-    place(limb, q)
+    limbs.place(limb, q)
     for turns in most * rng.uniform(-1, 1, (20, arm.dof)):
         (now, _), (then, _) = links_along(arm, q[None]), links_along(arm, q + [turns, -turns])
         way = np.linalg.norm(then - now, axis=3).max(axis=(0, 2))
@@ -174,16 +161,16 @@ def test_the_hands_rate_and_its_bounds(arms, data, seed):
         curve[:, 1, None] + shares * (2 * curve[:, 2, None] + 3 * shares * curve[:, 3, None])
     )
     for k, share in enumerate(shares):
-        exact = hand_rate(limb, curve, share, q)
+        exact = limbs.hand_rate(limb, curve, share, q)
         assert exact == pytest.approx(speeds[k], abs=1e-5)
-        assert exact <= hand_bound(limb, rates[:, k].copy()) + HAIR
-        assert spins[k] <= axis_bound(limb, rates[:, k].copy()) + 1e-5
-        assert exact <= lever(limb) * rates[:, k].sum() + HAIR
+        assert exact <= limbs.hand_bound(limb, rates[:, k].copy()) + HAIR
+        assert spins[k] <= limbs.axis_bound(limb, rates[:, k].copy()) + 1e-5
+        assert exact <= limbs.lever(limb) * rates[:, k].sum() + HAIR
     first, last = along(curve, np.array([0.0, 1.0]))
     straight = np.linspace(0.0, 1.0, 200)[:, None]
     hands, _ = hands_along(arm, first + straight * (last - first))
     way = np.linalg.norm(np.diff(hands, axis=0), axis=1).sum()
-    assert way <= hand_travel(limb, first, last) + HAIR
+    assert way <= limbs.hand_travel(limb, first, last) + HAIR
 
 
 @EACH
@@ -191,7 +178,7 @@ def test_the_hands_rate_and_its_bounds(arms, data, seed):
 def test_no_hand_that_is_too_fast_is_missed(arms, data, seed):
     arm = data.draw(arms)
     limb, curve, q = limb_of_chain(arm), moved(arm, seed), np.zeros(arm.dof)
-    fastest = max(hand_rate(limb, curve, s, q) for s in np.linspace(0.0, 1.0, 2001))
+    fastest = max(limbs.hand_rate(limb, curve, s, q) for s in np.linspace(0.0, 1.0, 2001))
     assert fastest == 0.0 or hand_too_fast(limb, curve, fastest * (1.0 - 1e-9), q)
     assert not hand_too_fast(limb, curve, fastest * 1.02 + 1e-6, q)
 
@@ -203,8 +190,8 @@ def test_the_nearest_pair_by_many_points(arms, data, seed):
     pairs = tuple(itertools.combinations(range(len(arm.model.links)), 2))
     arm = replace(arm, model=replace(arm.model, self_collision=pairs))
     limb, (q,) = limb_of_chain(arm), postures(arm, seed, 1)
-    where = place(limb, q)
-    gap, same = self_gap(limb, where, still(limb), 1e300)
+    where = limbs.place(limb, q)
+    gap, same = limbs.self_gap(limb, where, limbs.still(limb), 1e300)
     (ends,), radii = links_along(arm, q[None])
     share = np.linspace(0.0, 1.0, 101)[:, None]
     best, coarse = np.inf, 0.0

@@ -8,7 +8,7 @@ from importlib import import_module
 import numpy as np
 import pytest
 
-from gcm_learn import solve
+from gcm_learn import situation as records, solve
 from gcm_learn.arms import Base, hands_along, register_kind
 from gcm_learn.arms.limbs import register_limb
 from gcm_learn.evaluation import ask
@@ -17,15 +17,6 @@ from gcm_learn.planners import plan_to_json
 from gcm_learn.plots import animate, plan_figure
 from gcm_learn.referee import judge
 from gcm_learn.scene import pack
-from gcm_learn.situation import (
-    Body,
-    Box,
-    Situation,
-    SolidQuadratic,
-    Sphere,
-    situation_from_json,
-    situation_to_json,
-)
 from tests.arms.crane import BOOM, CRANE, ROD, Crane, CraneLimb
 from tests.geometry import arm_of, hand_of
 
@@ -71,19 +62,21 @@ def as_chain(arm):
 
 def flying(role, shape, place, velocity=(0.0, 0.0, 0.0)):
     place = tuple(float(x) for x in place)
-    return Body(role, role, shape, SolidQuadratic(place, velocity, (0.0, 0.0, 0.0)))
+    return records.Body(role, role, shape, records.SolidQuadratic(place, velocity, (0.0, 0.0, 0.0)))
 
 
 def behind_a_post(arm=ARM):
     """A ball that drifts away, and a post between it and the hand."""
     (goal, middle), _ = hands_along(arm, [(1.6, 0.8, 0.4), (1.0, 0.65, 0.3)])
-    ball = flying("target", Sphere(0.04), goal, (0.1, 0.0, 0.05))
-    return Situation("crane", 1.6, arm, (ball, flying("obstacle", Box((0.08, 0.08, 0.2)), middle)))
+    ball = flying("target", records.Sphere(0.04), goal, (0.1, 0.0, 0.05))
+    return records.Situation(
+        "crane", 1.6, arm, (ball, flying("obstacle", records.Box((0.08, 0.08, 0.2)), middle))
+    )
 
 
 def verdict(situation, plan):
     """The referee's, of the same situation with the crane as a chain."""
-    given = situation_to_json(situation) | {"arm": as_chain(situation.arm)}
+    given = records.situation_to_json(situation) | {"arm": as_chain(situation.arm)}
     return judge(given, plan_to_json(plan, situation))
 
 
@@ -114,7 +107,7 @@ def test_it_is_blocked_where_it_begins_with_an_overlap():
     situation = behind_a_post()
     hand, _ = hands_along(ARM, [ARM.joints])
     blocked = replace(
-        situation, bodies=(situation.bodies[0], flying("obstacle", Sphere(0.1), hand[0]))
+        situation, bodies=(situation.bodies[0], flying("obstacle", records.Sphere(0.1), hand[0]))
     )
     plan = solve(blocked, "search")
     assert plan.status == "start_blocked" and verdict(blocked, plan) == []
@@ -122,8 +115,8 @@ def test_it_is_blocked_where_it_begins_with_an_overlap():
 
 def test_it_is_written_and_read():
     situation = behind_a_post(replace(ARM, max_hand_speed=2.0))
-    written = situation_to_json(situation)
-    assert written["arm"]["kind"] == "crane" and situation_from_json(written) == situation
+    written = records.situation_to_json(situation)
+    assert written["arm"]["kind"] == "crane" and records.situation_from_json(written) == situation
 
 
 def test_it_is_compared():

@@ -9,17 +9,7 @@ import pytest
 from hypothesis import given, strategies as st
 from scipy.spatial.transform import Rotation
 
-from gcm_learn.arms import (
-    Chain,
-    ChainJoint,
-    ChainModel,
-    Follows,
-    Hand,
-    Link,
-    hands_along,
-    limb_of_chain,
-    links_along,
-)
+from gcm_learn import arms
 from gcm_learn.errors import SituationError
 from tests import strategies
 
@@ -54,7 +44,7 @@ def frames_of(arm, q):
 def test_links_and_hands_by_matrices(arm, seed):
     low, high = np.array(arm.joint_range).T
     joints = np.random.default_rng(seed).uniform(low, high, (3, arm.dof))
-    (ends, radii), (hands, axes) = links_along(arm, joints), hands_along(arm, joints)
+    (ends, radii), (hands, axes) = arms.links_along(arm, joints), arms.hands_along(arm, joints)
     assert radii == pytest.approx([link.radius for link in arm.model.links])
     for k, q in enumerate(joints):
         frames = frames_of(arm, q)
@@ -69,42 +59,44 @@ def test_links_and_hands_by_matrices(arm, seed):
 
 def joint(**more):
     """A joint about z, half a unit beyond the one before."""
-    return ChainJoint(**{"axis": (0, 0, 1), "range": (-2.0, 2.0), "max_speed": 3.0,
+    return arms.ChainJoint(**{"axis": (0, 0, 1), "range": (-2.0, 2.0), "max_speed": 3.0,
                          "origin": (0.5, 0.0, 0.0), **more})  # fmt: skip
 
 
 def arm_with(*joints, posture=(0.0,), **more):
     """A chain of joints after a first one of range -1 to 1, with the hand on the last frame."""
     every = (joint(range=(-1.0, 1.0)), *joints)
-    links = (Link(len(every), (0, 0, 0), (0.3, 0, 0), 0.02),)
-    model = ChainModel("made", every, links, Hand(len(every), (0.4, 0, 0)))
-    return Chain(model, posture, 0.05, **more)
+    links = (arms.Link(len(every), (0, 0, 0), (0.3, 0, 0), 0.02),)
+    model = arms.ChainModel("made", every, links, arms.Hand(len(every), (0.4, 0, 0)))
+    return arms.Chain(model, posture, 0.05, **more)
 
 
 def test_followers_bind_their_leader():
-    follower = joint(follows=Follows(1, -2.0, 0.1), range=(-0.9, 1.1), max_speed=1.0)
+    follower = joint(follows=arms.Follows(1, -2.0, 0.1), range=(-0.9, 1.1), max_speed=1.0)
     arm = arm_with(follower)
-    assert arm.dof == 1 and limb_of_chain(arm).tree is not None
+    assert arm.dof == 1 and arms.limb_of_chain(arm).tree is not None
     assert arm.joint_range[0] == pytest.approx((-0.5, 0.5))
     assert arm.max_joint_speed == (0.5,)
 
 
 def test_limits_of_acceleration_of_followers_hold_beside_a_situations_list():
     first = joint(range=(-1.0, 1.0), max_acceleration=9.0)
-    follower = joint(follows=Follows(1, 2.0), max_acceleration=4.0)
-    model = ChainModel("made", (first, follower), (Link(1, (0, 0, 0), (0.3, 0, 0), 0.02),),
-                       Hand(2, (0.4, 0, 0)))  # fmt: skip
-    assert Chain(model, (0.0,), 0.05).max_joint_acceleration == (2.0,)
-    most = Chain(model, (0.0,), 0.05, max_joint_acceleration=(7.0,)).max_joint_acceleration
+    follower = joint(follows=arms.Follows(1, 2.0), max_acceleration=4.0)
+    link, hand = arms.Link(1, (0, 0, 0), (0.3, 0, 0), 0.02), arms.Hand(2, (0.4, 0, 0))
+    model = arms.ChainModel("made", (first, follower), (link,), hand)
+    assert arms.Chain(model, (0.0,), 0.05).max_joint_acceleration == (2.0,)
+    most = arms.Chain(model, (0.0,), 0.05, max_joint_acceleration=(7.0,)).max_joint_acceleration
     assert most == (2.0,)
-    assert Chain(model, (0.0,), 0.05, max_joint_acceleration=None).max_joint_acceleration is None
+    assert (
+        arms.Chain(model, (0.0,), 0.05, max_joint_acceleration=None).max_joint_acceleration is None
+    )
     # followers need no limit where coordinates have one
     free = replace(model, joints=(first, replace(follower, max_acceleration=None)))
-    assert Chain(free, (0.0,), 0.05).max_joint_acceleration == (9.0,)
+    assert arms.Chain(free, (0.0,), 0.05).max_joint_acceleration == (9.0,)
 
 
 def test_a_start_just_outside_a_followers_range_is_in_the_arms():
-    follower = joint(follows=Follows(1, 1.0), range=(-0.5, 0.5))
+    follower = joint(follows=arms.Follows(1, 1.0), range=(-0.5, 0.5))
     start = 0.5 + 0.9e-6
     arm = arm_with(follower, posture=(start,))
     assert arm.joint_range == ((-0.5, start),)
@@ -124,10 +116,10 @@ def test_parents_that_are_the_frame_before_are_left_out():
     [
         ([{"parent": 2}], r"joints\[1\]\.parent: must be from 0 to 1, .* \(got 2\)"),
         ([{"parent": -1}], r"joints\[1\]\.parent: must be from 0 to 1"),
-        ([{"follows": Follows(2, 1.0)}], r"joints\[1\]\.follows\.joint: must be from 1 to 1"),
-        ([{"follows": Follows(0, 1.0)}], r"joints\[1\]\.follows\.joint: must be from 1 to 1"),
+        ([{"follows": arms.Follows(2, 1.0)}], r"joints\[1\]\.follows\.joint: must be from 1 to 1"),
+        ([{"follows": arms.Follows(0, 1.0)}], r"joints\[1\]\.follows\.joint: must be from 1 to 1"),
         (
-            [{"follows": Follows(1, 1.0)}, {"follows": Follows(2, 1.0)}],
+            [{"follows": arms.Follows(1, 1.0)}, {"follows": arms.Follows(2, 1.0)}],
             r"joints\[2\]\.follows\.joint: is a joint that follows another itself \(got 2\)",
         ),
     ],

@@ -5,15 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from gcm_learn.charts import (
-    LARGEST_HAND_LATTICE,
-    LARGEST_LATTICE,
-    SMALLEST_LATTICE,
-    HandLattice,
-    Lattice,
-    chart_of,
-    lattice_of,
-)
+from gcm_learn import charts
 from gcm_learn.errors import ArmKindError, LatticeError
 from gcm_learn.situation import situation_from_json
 from tests.situation.scenes import NAO, PLANAR
@@ -30,11 +22,11 @@ CHAIN = {
 }
 PLANE, SPACE, LINKS = (situation_from_json(data) for data in (PLANAR, NAO, CHAIN))
 CHARTS = {
-    "short arm": Lattice(33, 0.6),
-    "paper's arm": Lattice(33, 1.0),
-    "long arm": Lattice(33, 1.7),
-    "space": HandLattice(SPACE.arm, 17),
-    "chain": HandLattice(LINKS.arm, 16),
+    "short arm": charts.Lattice(33, 0.6),
+    "paper's arm": charts.Lattice(33, 1.0),
+    "long arm": charts.Lattice(33, 1.7),
+    "space": charts.HandLattice(SPACE.arm, 17),
+    "chain": charts.HandLattice(LINKS.arm, 16),
 }
 
 
@@ -61,23 +53,23 @@ def test_a_contact_reaches_the_corners_of_a_cell(chart):
 @pytest.mark.parametrize(
     ("subject", "n", "most"),
     [
-        (PLANE, SMALLEST_LATTICE - 1, LARGEST_LATTICE),
-        (PLANE, LARGEST_LATTICE + 1, LARGEST_LATTICE),
-        (SPACE, SMALLEST_LATTICE - 1, LARGEST_HAND_LATTICE),
-        (LINKS, LARGEST_HAND_LATTICE + 1, LARGEST_HAND_LATTICE),
+        (PLANE, charts.SMALLEST_LATTICE - 1, charts.LARGEST_LATTICE),
+        (PLANE, charts.LARGEST_LATTICE + 1, charts.LARGEST_LATTICE),
+        (SPACE, charts.SMALLEST_LATTICE - 1, charts.LARGEST_HAND_LATTICE),
+        (LINKS, charts.LARGEST_HAND_LATTICE + 1, charts.LARGEST_HAND_LATTICE),
     ],
 )
 def test_absurd_sizes_are_refused_with_the_numbers(subject, n, most):
     with pytest.raises(LatticeError, match=rf"outside \d+\.\.{most}"):
-        chart_of(subject, n)
+        charts.chart_of(subject, n)
 
 
 def test_the_kind_of_arm_chooses_the_chart():
-    assert chart_of(PLANE, 20) == Lattice(20, PLANE.arm.upper_arm, PLANE.arm.elbow)
-    assert chart_of(SPACE.arm, 20) == HandLattice(SPACE.arm, 20)
-    assert lattice_of(chart_of(PLANE.arm, 20)).kind is chart_of(PLANE, 20).kind
+    assert charts.chart_of(PLANE, 20) == charts.Lattice(20, PLANE.arm.upper_arm, PLANE.arm.elbow)
+    assert charts.chart_of(SPACE.arm, 20) == charts.HandLattice(SPACE.arm, 20)
+    assert charts.lattice_of(charts.chart_of(PLANE.arm, 20)).kind is charts.chart_of(PLANE, 20).kind
     with pytest.raises(ArmKindError, match="does not take spatial arms"):
-        lattice_of(chart_of(SPACE, 20))
-    assert chart_of(LINKS, 20) == HandLattice(LINKS.arm, 20)
+        charts.lattice_of(charts.chart_of(SPACE, 20))
+    assert charts.chart_of(LINKS, 20) == charts.HandLattice(LINKS.arm, 20)
     with pytest.raises(ArmKindError, match="does not take chains"):
-        lattice_of(chart_of(LINKS, 20))
+        charts.lattice_of(charts.chart_of(LINKS, 20))

@@ -7,18 +7,11 @@ from dataclasses import replace
 
 import pytest
 
+from gcm_learn import situation as records
 from gcm_learn.arms import Chain, hands_along
 from gcm_learn.cli import main
 from gcm_learn.execution import execution_to_json, shipped_bodies
 from gcm_learn.families import paper_scene
-from gcm_learn.situation import (
-    Body,
-    Situation,
-    SolidQuadratic,
-    Sphere,
-    shipped_arm,
-    write_situations,
-)
 from tests.policies.conftest import straight_in_space
 
 
@@ -28,7 +21,7 @@ def file(tmp_path):
     scene = paper_scene("fig8-space")
     odd = replace(scene, name="odd", arm=replace(scene.arm, forearm=(0.3, 0.0, 0.0)))
     path = tmp_path / "two.jsonl"
-    write_situations(path, [odd, scene])
+    records.write_situations(path, [odd, scene])
     return path
 
 
@@ -85,15 +78,15 @@ def test_planar_arms_are_refused(scene_file, scene, capsys):
 @pytest.fixture
 def chains(tmp_path):
     """A Panda beside a ball that comes near, a crane without a body, and the paper's pendulum."""
-    panda = Chain(shipped_arm("panda"), (0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785), 0.03)
+    panda = Chain(records.shipped_arm("panda"), (0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785), 0.03)
     hand = hands_along(panda, panda.joints)[0][0]
-    comes = SolidQuadratic(tuple(hand + (0.0, 0.3, 0.1)), (0.0, -0.4, -0.1), (0.0,) * 3)
-    ball = Body("target", "ball", Sphere(0.02), comes)
-    other = Chain(shipped_arm("planar-2"), (0.3, -0.5), 0.03)
-    made = [Situation("near", 1.0, panda, (ball,), format="gcm-learn/situation@3")]
+    comes = records.SolidQuadratic(tuple(hand + (0.0, 0.3, 0.1)), (0.0, -0.4, -0.1), (0.0,) * 3)
+    ball = records.Body("target", "ball", records.Sphere(0.02), comes)
+    other = Chain(records.shipped_arm("planar-2"), (0.3, -0.5), 0.03)
+    made = [records.Situation("near", 1.0, panda, (ball,), format="gcm-learn/situation@3")]
     made += [replace(made[0], name="bare", arm=other), paper_scene("fig8-space")]
     path = tmp_path / "three.jsonl"
-    write_situations(path, made)
+    records.write_situations(path, made)
     return path
 
 
@@ -153,9 +146,9 @@ def test_who_recalls_moves_arms_with_mass(planner, noise, tmp_path, capsys):
     file = tmp_path / "near.json"
     scene = paper_scene("fig8-space")
     still = replace(
-        scene.targets[0], motion=SolidQuadratic((0.17, 0.08, 0.0), (0.0,) * 3, (0.0,) * 3)
+        scene.targets[0], motion=records.SolidQuadratic((0.17, 0.08, 0.0), (0.0,) * 3, (0.0,) * 3)
     )
-    write_situations(file, [replace(scene, bodies=(still, *scene.obstacles))])
+    records.write_situations(file, [replace(scene, bodies=(still, *scene.obstacles))])
     argv = ["execute", str(file), "--planner", planner, "--noise", noise, "--out", "-"]
     assert main(argv) == 0
     done = json.loads(capsys.readouterr().out)

@@ -9,17 +9,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from gcm_learn import artifacts, solve
+from gcm_learn import artifacts, motion, solve
 from gcm_learn.arms import Chain
 from gcm_learn.errors import FieldError, StopError
 from gcm_learn.families import draw, paper_scene, thrown_scene
-from gcm_learn.motion import (
-    Movement,
-    to_csv,
-    to_joint_trajectory,
-    to_yaml,
-    with_stop,
-)
 from gcm_learn.situation import (
     Body,
     Situation,
@@ -74,7 +67,7 @@ def case(request):
 
 def test_a_stop_goes_on_as_the_catch_ends_and_rests(case):
     situation, moves = case
-    made = with_stop(situation, moves)
+    made = motion.with_stop(situation, moves)
     n = len(moves.time)
     np.testing.assert_array_equal(made.time[:n], moves.time)
     np.testing.assert_array_equal(made.joints[:n], moves.joints)
@@ -91,7 +84,7 @@ def test_a_stop_goes_on_as_the_catch_ends_and_rests(case):
 
 def test_stops_keep_accelerations():
     situation = limited()
-    made = with_stop(situation, solve(situation).trajectory)
+    made = motion.with_stop(situation, solve(situation).trajectory)
     most = np.array(situation.arm.max_joint_acceleration)
     _, _, forces = made.states_at(np.linspace(0.0, made.duration, 4000, endpoint=False))
     assert (np.abs(forces) <= most * (1 + 1e-6)).all()
@@ -101,12 +94,12 @@ def test_stops_keep_accelerations():
 def test_what_rests_needs_no_stop():
     situation = paper_scene("fig4")
     moves = solve(situation).trajectory
-    resting = Movement.of_hand(
+    resting = motion.Movement.of_hand(
         moves.arm,
         np.append(moves.time, moves.duration + 0.1),
         np.concatenate([moves.hand, moves.hand[-1:]]),
     )
-    assert with_stop(situation, resting) is resting
+    assert motion.with_stop(situation, resting) is resting
 
 
 @pytest.mark.parametrize("made", [panda, limited])
@@ -114,7 +107,7 @@ def test_a_stop_into_an_obstacle_is_refused(made):
     """Balls on the hand's way behind the catch leave no room to brake."""
     situation = made()
     moves = solve(situation).trajectory
-    free = with_stop(situation, moves)
+    free = motion.with_stop(situation, moves)
     places = free.hand_at(np.linspace(moves.duration, free.duration, 9)[1:])
     size = 0.4 * np.linalg.norm(places[0] - places[-1])
     walls = [
@@ -122,12 +115,12 @@ def test_a_stop_into_an_obstacle_is_refused(made):
         for k, place in enumerate(places)
     ]
     with pytest.raises(StopError, match="the movement ends in motion, and no verified stop"):
-        with_stop(made(*walls), moves)
+        motion.with_stop(made(*walls), moves)
 
 
 def test_csv_holds_the_samples(case):
     _, moves = case
-    rows = list(csv.DictReader(io.StringIO(to_csv(moves))))
+    rows = list(csv.DictReader(io.StringIO(motion.to_csv(moves))))
     assert [float(row["time"]) for row in rows] == moves.time.tolist()
     names = list(rows[0])[1 : 1 + moves.joints.shape[1]]
     read = np.array([[float(row[name]) for name in names] for row in rows])
@@ -139,8 +132,8 @@ def test_csv_holds_the_samples(case):
 def test_messages_are_those_of_ros(case):
     yaml = pytest.importorskip("yaml")
     _, moves = case
-    message = to_joint_trajectory(moves)
-    assert yaml.safe_load(to_yaml(message)) == message
+    message = motion.to_joint_trajectory(moves)
+    assert yaml.safe_load(motion.to_yaml(message)) == message
     assert list(message) == ["header", "joint_names", "points"]
     assert message["header"] == {"stamp": {"sec": 0, "nanosec": 0}, "frame_id": ""}
     fields = ["positions", "velocities", "accelerations", "effort", "time_from_start"]
@@ -158,16 +151,18 @@ def test_messages_are_those_of_ros(case):
 def test_seconds_and_nanoseconds_make_the_time():
     moves = replace(solve(panda()).trajectory)
     late = replace(moves, time=moves.time + np.where(moves.time > 0.0, 2.0, 0.0))
-    stamp = to_joint_trajectory(late)["points"][-1]["time_from_start"]
+    stamp = motion.to_joint_trajectory(late)["points"][-1]["time_from_start"]
     assert stamp["sec"] == 2 and stamp["nanosec"] == round((late.duration - 2.0) * 1e9)
 
 
 def test_joints_have_names():
     moves = solve(panda()).trajectory
-    assert to_joint_trajectory(moves)["joint_names"] == [j.name for j in moves.arm.model.joints]
+    assert motion.to_joint_trajectory(moves)["joint_names"] == [
+        j.name for j in moves.arm.model.joints
+    ]
     names = [f"left_{k}" for k in range(7)]
-    assert to_joint_trajectory(moves, names)["joint_names"] == names
-    assert to_csv(moves, names).startswith("time,left_0,left_1")
+    assert motion.to_joint_trajectory(moves, names)["joint_names"] == names
+    assert motion.to_csv(moves, names).startswith("time,left_0,left_1")
     for wrong in (names[:6], ["a"] * 7):
         with pytest.raises(FieldError, match="names: must be 7 different names"):
-            to_joint_trajectory(moves, wrong)
+            motion.to_joint_trajectory(moves, wrong)

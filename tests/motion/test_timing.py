@@ -12,17 +12,9 @@ from gcm_learn import seeding
 from gcm_learn.arms import Arm, forward, joint_angles
 from gcm_learn.families.random_planar import random_planar
 from gcm_learn.families.random_solid import random_solid
-from gcm_learn.motion import Movement
+from gcm_learn.motion import Movement, timing
 from gcm_learn.motion.interception import first_catch, first_interception, may_be_reached
 from gcm_learn.motion.rules import Rules
-from gcm_learn.motion.timing import (
-    SPACING,
-    keep_limits,
-    refine,
-    segment_times,
-    spread,
-    straight_path,
-)
 from gcm_learn.scene.bodies import poses_at
 from gcm_learn.scene.packing import pack, pack_bodies
 from gcm_learn.scene.shapes.choice import gap_in_plane
@@ -45,7 +37,7 @@ def wandering(seed, n=20):
 def test_times_are_the_wanted_ones_unless_the_hand_is_too_slow(seed, wanted):
     hand, wanted = wandering(seed), np.array(wanted)
     arm = Arm(tuple(hand[0]), 2.0)
-    time, least = keep_limits(arm, hand, wanted), segment_times(arm, hand)
+    time, least = timing.keep_limits(arm, hand, wanted), timing.segment_times(arm, hand)
     assert time[0] == 0.0
     spans = np.diff(time)
     assert (spans >= least * (1.0 - 1e-9) - 1e-12).all()
@@ -60,19 +52,19 @@ def test_segments_take_as_long_as_their_slowest_joint(seed):
     hand = wandering(seed)
     steps = np.linalg.norm(np.diff(hand, axis=0), axis=1)
     np.testing.assert_allclose(
-        segment_times(Arm(tuple(hand[0]), 2.0), hand), steps / 2.0, rtol=1e-6
+        timing.segment_times(Arm(tuple(hand[0]), 2.0), hand), steps / 2.0, rtol=1e-6
     )
     arm = Arm(tuple(hand[0]), 1e6, max_joint_speed=(1.0, 2.0))
     path = Movement.of_hand(arm, np.arange(20.0), hand)  # a second for every segment
     slowest = (rates(arm, path) / arm.max_joint_speed).max(axis=1)
-    least = segment_times(arm, hand)
+    least = timing.segment_times(arm, hand)
     assert (least >= slowest * (1.0 - 1e-9)).all()
     assert (least <= 1.1 * slowest + 1e-5).all()
 
 
 @given(pairs, pairs)
 def test_a_straight_way_is_straight_and_dense(start, end):
-    way = straight_path(np.array(start), np.array(end))
+    way = timing.straight_path(np.array(start), np.array(end))
     assert tuple(way[0]) == start
     np.testing.assert_allclose(way[-1], end, atol=1e-12)
     steps = np.diff(way, axis=0)
@@ -88,21 +80,21 @@ def test_a_path_spread_is_the_same_movement(seed):
     moves[r.random(12) < 0.3] = 0.0
     gaps[r.random(12) < 0.3] = 0.0
     hand, time = np.cumsum(moves, axis=0), np.cumsum(gaps)
-    new_time, new_hand = spread(time, hand, SPACING)
-    pieces = np.ceil(np.hypot(*np.diff(hand, axis=0).T) / SPACING)
+    new_time, new_hand = timing.spread(time, hand, timing.SPACING)
+    pieces = np.ceil(np.hypot(*np.diff(hand, axis=0).T) / timing.SPACING)
     pieces = np.maximum(pieces, np.diff(time) > 0.0).astype(int)
     ends = np.concatenate([[0], np.cumsum(pieces)])
     at = np.interp(np.arange(ends[-1] + 1), ends, np.arange(12))
     for new, old in ((new_time, time), (new_hand[:, 0], hand[:, 0]), (new_hand[:, 1], hand[:, 1])):
         np.testing.assert_array_equal(new, np.interp(at, np.arange(12), old))
-    assert np.hypot(*np.diff(new_hand, axis=0).T).max(initial=0.0) <= SPACING * (1.0 + 1e-9)
+    assert np.hypot(*np.diff(new_hand, axis=0).T).max(initial=0.0) <= timing.SPACING * (1.0 + 1e-9)
 
 
 @given(st.integers(0, 10**6), st.sampled_from(["right", "left"]))
 def test_refined_samples_keep_linear_joints_on_the_way(seed, elbow):
     hand = wandering(seed)[::4]
     time = np.linspace(0.0, 1.0, len(hand))
-    fine_time, fine = refine(Arm(tuple(hand[0]), 1.0, elbow=elbow), time, hand)
+    fine_time, fine = timing.refine(Arm(tuple(hand[0]), 1.0, elbow=elbow), time, hand)
     for t, h in zip(time, hand, strict=True):
         assert np.abs(fine - h).sum(axis=1).min() < 1e-12 and np.abs(fine_time - t).min() < 1e-12
     for k in (0, 1):  # nothing but samples has been added

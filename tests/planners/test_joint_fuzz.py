@@ -14,18 +14,10 @@ from pathlib import Path
 import pytest
 from hypothesis import assume, given, settings, strategies as st
 
-from gcm_learn import solve
+from gcm_learn import situation as records, solve
 from gcm_learn.arms import Base, SpatialArm
 from gcm_learn.cli import main
 from gcm_learn.errors import FileFormatError
-from gcm_learn.situation import (
-    Body,
-    Situation,
-    SolidQuadratic,
-    read_situations,
-    situation_from_json,
-    situation_to_json,
-)
 from tests import strategies
 from tests.judging import judge
 from tests.planners.test_fuzz import answered, numbers, solid, wild, wild_horizons
@@ -44,7 +36,7 @@ def compile_for(names):
         if not smooth:
             del scene["arm"]["max_joint_acceleration"], scene["arm"]["joint_rates"]
         for planner in names:
-            solve(situation_from_json(scene), planner)
+            solve(records.situation_from_json(scene), planner)
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -100,12 +92,12 @@ def wild_situations(draw):
     """Situations in space whose numbers may have any magnitude."""
     arm = draw(wild_arms() | strategies.spatial_arms())
     parts = draw(st.lists(solid, min_size=1, max_size=3))
-    at_shoulder = SolidQuadratic(arm.base.origin, (0.0,) * 3, (0.0,) * 3)
-    bodies = [Body("obstacle" if k else "target", str(k), *p) for k, p in enumerate(parts)]
+    at_shoulder = records.SolidQuadratic(arm.base.origin, (0.0,) * 3, (0.0,) * 3)
+    bodies = [records.Body("obstacle" if k else "target", str(k), *p) for k, p in enumerate(parts)]
     if draw(st.booleans()):
         role = draw(st.sampled_from(["target", "obstacle"]))
-        bodies.append(Body(role, "at the shoulder", draw(solid)[0], at_shoulder))
-    return Situation("wild", wild_horizons(draw, bodies), arm, tuple(bodies))
+        bodies.append(records.Body(role, "at the shoulder", draw(solid)[0], at_shoulder))
+    return records.Situation("wild", wild_horizons(draw, bodies), arm, tuple(bodies))
 
 
 @settings(max_examples=20)
@@ -146,7 +138,7 @@ def commanded(scene, planner):
 
 
 @settings(max_examples=20)
-@given(spoiled_objects() | wild_situations().map(situation_to_json), planners)
+@given(spoiled_objects() | wild_situations().map(records.situation_to_json), planners)
 def test_the_command_answers_or_refuses_in_one_line(scene, planner):
     assume(scene.get("format") != "gcm-learn/situation@1")
     code, written, complaint = commanded(scene, planner)
@@ -186,7 +178,7 @@ def test_whatever_is_wrong_with_a_field_is_said_of_that_field(path, tmp_path):
             place[path[-1]] = value
         file.write_text(json.dumps(scene) + "\n")
         try:
-            read_situations(file)
+            records.read_situations(file)
         except FileFormatError as error:
             message = str(error).removeprefix(f"{file}:1:")
             assert "\n" not in message and message != str(error)

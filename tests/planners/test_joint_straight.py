@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from gcm_learn import seeding
+from gcm_learn import seeding, situation as records
 from gcm_learn.arms import SpatialArm, forward_in_space
 from gcm_learn.motion import rules_of
 from gcm_learn.planners import SpatialProblem
@@ -16,16 +16,6 @@ from gcm_learn.planners.joints.moves import study_of, time_of
 from gcm_learn.planners.joints.pull import box, met_from, slope_at
 from gcm_learn.planners.joints.straight import attempt_along
 from gcm_learn.scene import pack
-from gcm_learn.situation import (
-    Body,
-    Box,
-    Cylinder,
-    Pendulum,
-    Situation,
-    SolidQuadratic,
-    Sphere,
-    read_situations,
-)
 from tests.judging import judge
 from tests.spatial import EXAMPLES
 
@@ -47,15 +37,17 @@ def hand_of(joints):
 
 
 def flying(role, shape, place, velocity=(0.0, 0.0, 0.0)):
-    return Body(role, role, shape, SolidQuadratic(tuple(place), tuple(velocity), (0.0, 0.0, 0.0)))
+    return records.Body(
+        role, role, shape, records.SolidQuadratic(tuple(place), tuple(velocity), (0.0, 0.0, 0.0))
+    )
 
 
 def ball(place, velocity=(0.0, 0.0, 0.0)):
-    return flying("target", Sphere(RADIUS), place, velocity)
+    return flying("target", records.Sphere(RADIUS), place, velocity)
 
 
 def scene(*bodies, arm=ARM, horizon=1.0):
-    return Situation("scene", horizon, arm, bodies)
+    return records.Situation("scene", horizon, arm, bodies)
 
 
 def soonest(count=200_000):
@@ -90,7 +82,7 @@ def test_what_is_met_from_a_posture_is_met_in_time():
 
 
 def test_the_slope_of_a_target_leads_to_it():
-    study = studied(flying("target", Cylinder(0.2, 0.3), (0.5, 0.4, 0.3)))
+    study = studied(flying("target", records.Cylinder(0.2, 0.3), (0.5, 0.4, 0.3)))
     place = np.array([1.0, 0.4, 0.3])
     assert np.allclose(slope_at(study, 0, *place, 0.0), (1.0, 0.0, 0.0), atol=1e-6)
     assert np.allclose(slope_at(study, 0, 0.5, 0.4, 0.9, 0.0), (0.0, 0.0, 1.0), atol=1e-6)
@@ -130,15 +122,17 @@ def test_the_limit_of_the_hand_holds_all_the_way():
 
 
 def test_long_solids_are_met_where_they_are_near():
-    far = flying("target", Box((0.05, 5.0, 0.05)), hand_of(GOAL) + (0.0, 4.9, 0.0))
+    far = flying("target", records.Box((0.05, 5.0, 0.05)), hand_of(GOAL) + (0.0, 4.9, 0.0))
     plan = StraightPlanner().plan(scene(far))
     assert plan.caught and plan.catch_time < 0.5
 
 
 def test_a_pendulum_is_met():
     pivot, axis, down = hand_of(GOAL) + (0.0, 0.0, 1.0), (0.0, 1.0, 0.0), (0.0, 0.0, -1.0)
-    swing = Pendulum(tuple(pivot), axis, down, 1.0, 9.81, 0.6, 0.0)
-    plan = StraightPlanner().plan(scene(Body("target", "ball", Sphere(RADIUS), swing)))
+    swing = records.Pendulum(tuple(pivot), axis, down, 1.0, 9.81, 0.6, 0.0)
+    plan = StraightPlanner().plan(
+        scene(records.Body("target", "ball", records.Sphere(RADIUS), swing))
+    )
     assert plan.caught
 
 
@@ -154,7 +148,7 @@ def test_out_of_time():
 
 def test_straight_wait_waits_for_the_gate():
     still = ball(hand_of(GOAL))
-    lid = flying("obstacle", Sphere(0.35), hand_of(GOAL), (0.0, 1.2, 0.0))
+    lid = flying("obstacle", records.Sphere(0.35), hand_of(GOAL), (0.0, 1.2, 0.0))
     assert not StraightPlanner().plan(scene(still, lid)).caught
     plan = StraightWaitPlanner().plan(scene(still, lid))
     opens = (0.35 - RADIUS - ARM.grasp + ARM.thickness) / 1.2
@@ -162,7 +156,7 @@ def test_straight_wait_waits_for_the_gate():
 
 
 def test_most_of_the_examples():
-    drawn = [s for s in read_situations(EXAMPLES) if s.arm.max_joint_acceleration is None]
+    drawn = [s for s in records.read_situations(EXAMPLES) if s.arm.max_joint_acceleration is None]
     plans = [[p.plan(s) for p in (StraightPlanner(), StraightWaitPlanner())] for s in drawn]
     assert all(b.catch_time == a.catch_time for a, b in plans if a.caught)
     for situation, pair in zip(drawn, plans, strict=True):

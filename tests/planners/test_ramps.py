@@ -10,20 +10,13 @@ import pytest
 
 from gcm_learn import families, get_planner
 from gcm_learn.planners import plan_to_json
-from gcm_learn.planners.joints.ramps import (
-    END_FREE,
-    GIVEN,
-    START_FREE,
-    least_ramp,
-    new_ramp,
-    ramp,
-)
+from gcm_learn.planners.joints import ramps
 from gcm_learn.referee import judge
 from gcm_learn.scene import JointLimits
 from gcm_learn.situation import situation_to_json
 
 DOF = 3
-FREE = [GIVEN, START_FREE, END_FREE, START_FREE + END_FREE]
+FREE = [ramps.GIVEN, ramps.START_FREE, ramps.END_FREE, ramps.START_FREE + ramps.END_FREE]
 
 
 def limits(rng):
@@ -34,10 +27,10 @@ def limits(rng):
 def test_a_ramp_leads_from_end_to_end_within_its_limits(free, rng):
     found = 0
     for _ in range(400):
-        kept, made, span = limits(rng), new_ramp(DOF), rng.uniform(0.2, 2.0)
+        kept, made, span = limits(rng), ramps.new_ramp(DOF), rng.uniform(0.2, 2.0)
         q, way = rng.uniform(-1, 1, DOF), rng.uniform(-1, 1, DOF) * rng.uniform(0, 2)
         r, v = rng.uniform(-0.9, 0.9, (2, DOF)) * kept.joint_speed * rng.uniform(0, 1)
-        pieces = ramp(kept, q, r, q + way, v, span, free, made)
+        pieces = ramps.ramp(kept, q, r, q + way, v, span, free, made)
         if pieces == 0:
             continue
         found += 1
@@ -45,9 +38,9 @@ def test_a_ramp_leads_from_end_to_end_within_its_limits(free, rng):
         steps = np.diff(time)[:, None]
         assert time[0] == 0.0 and time[-1] == span and (steps > 0.0).all()
         np.testing.assert_allclose(joints[[0, -1]], [q, q + way], atol=1e-12)
-        if not free & START_FREE:
+        if not free & ramps.START_FREE:
             np.testing.assert_array_equal(rates[0], r)
-        if not free & END_FREE:
+        if not free & ramps.END_FREE:
             np.testing.assert_array_equal(rates[-1], v)
         assert (abs(rates) <= kept.joint_speed).all()
         assert (abs(np.diff(rates, axis=0)) <= kept.joint_acceleration * steps).all()
@@ -58,14 +51,14 @@ def test_a_ramp_leads_from_end_to_end_within_its_limits(free, rng):
     assert found > 40
 
 
-@pytest.mark.parametrize("free", [GIVEN, END_FREE])
+@pytest.mark.parametrize("free", [ramps.GIVEN, ramps.END_FREE])
 def test_no_move_from_rest_takes_less_than_the_least_time(free, rng):
     for _ in range(200):
-        kept, made, rest = limits(rng), new_ramp(DOF), np.zeros(DOF)
+        kept, made, rest = limits(rng), ramps.new_ramp(DOF), np.zeros(DOF)
         q, p = rng.uniform(-2, 2, (2, DOF))
-        least = least_ramp(kept, q, p, free)
-        assert ramp(kept, q, rest, p, rest, least, free, made) > 0
-        assert ramp(kept, q, rest, p, rest, 0.999 * least, free, made) == 0
+        least = ramps.least_ramp(kept, q, p, free)
+        assert ramps.ramp(kept, q, rest, p, rest, least, free, made) > 0
+        assert ramps.ramp(kept, q, rest, p, rest, 0.999 * least, free, made) == 0
 
 
 @pytest.mark.parametrize("moving", [False, True])

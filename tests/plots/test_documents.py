@@ -8,30 +8,23 @@ from PIL import Image
 from gcm_learn.families import family_names
 from gcm_learn.planners import solve
 from gcm_learn.plots import style
-from gcm_learn.plots.reports import solid_documents
-from gcm_learn.plots.reports.documents import (
-    draw_case,
-    families_figure,
-    first_case,
-    shown_families,
-    write_gallery,
-)
+from gcm_learn.plots.reports import documents, solid_documents
 
 
 def test_every_family_has_a_panel_or_a_sibling_with_one():
-    shown = shown_families()
+    shown = documents.shown_families()
     assert {name.removesuffix("-solid") for name in family_names("planar")} == {
         name.removesuffix("-solid") for name in shown
     }
-    titles = [ax.get_title() for ax in families_figure().axes]
+    titles = [ax.get_title() for ax in documents.families_figure().axes]
     assert [title for title in titles if title] == shown
 
 
 def test_a_shown_case_needs_more_than_a_straight_line():
-    situation, plan = first_case("gate", 5)
+    situation, plan = documents.first_case("gate", 5)
     assert plan.caught and plan.name == situation.name
     assert not solve(situation, "straight").caught
-    ax = draw_case(style.new_figure(2.0, 2.0).subplots(), situation, plan)
+    ax = documents.draw_case(style.new_figure(2.0, 2.0).subplots(), situation, plan)
     bodies = len(situation.bodies)
     assert len(ax.patches) >= 4 * bodies  # at four instants
 
@@ -40,7 +33,7 @@ def test_a_shown_case_needs_more_than_a_straight_line():
 @pytest.mark.parametrize("frames", [3, 24])
 def test_gallery_writes_readable_pictures(frames, tmp_path, monkeypatch):
     monkeypatch.setattr(solid_documents, "FRAMES", frames)
-    files = write_gallery(tmp_path / "images")
+    files = documents.write_gallery(tmp_path / "images")
     assert [f.name for f in files] == [
         "situation.png",
         "hand-space.png",

@@ -11,16 +11,10 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from gcm_learn import recall
 from gcm_learn.planners import solve
 from gcm_learn.plots.reports import clusters as cluster_page, memory as memory_page
 from gcm_learn.plots.reports.memory import UNIT, principal_places, write_memory_page
-from gcm_learn.recall import (
-    Memory,
-    RandomIndex,
-    RawIndex,
-    cluster,
-    waypoints_of,
-)
 from tests.recall.conftest import memory_by
 
 
@@ -28,8 +22,8 @@ from tests.recall.conftest import memory_by
 def memory(planar_case, solid_case, waiting_case):
     """Three catches: planar, in space, and with a wait."""
     cases = [planar_case, solid_case, waiting_case]
-    memory = Memory(RawIndex.fit([s for s, _ in cases]))
-    traces = [waypoints_of(s, solve(s, "layered")) for s, _ in cases]
+    memory = recall.Memory(recall.RawIndex.fit([s for s, _ in cases]))
+    traces = [recall.waypoints_of(s, solve(s, "layered")) for s, _ in cases]
     memory.add([s for s, _ in cases], traces, ["a", "b", "</script>"], ["W", "W", "Q"])
     return memory
 
@@ -83,7 +77,7 @@ def test_directions_of_one_line_lie_on_one_line():
 
 def test_a_page_of_clusters_tells_of_each(memory, tmp_path):
     pytest.importorskip("sklearn")
-    found = cluster(memory, "raw", count=2)
+    found = recall.cluster(memory, "raw", count=2)
     page = write_memory_page(memory, tmp_path, count=1, found=found)
     data, text = told(page), page.read_text("utf-8")
     assert {p["words"]["cluster"] for p in data["points"]} == {"cluster 1", "cluster 2"}
@@ -108,7 +102,7 @@ def test_traits_are_those_of_the_movement():
     knots[0, :, 1], knots[1, :, 1], knots[2, :, 1] = 0.2 + 0.7 * share, 0.5, 0.8
     knots[1, :, 0], knots[2, :, 0] = 2.0 * share, -0.6 * share
     knots[2, 4, 3] = 0.3
-    memory = memory_by(RandomIndex(), np.zeros((3, 16)), knots, np.zeros((3, 2)))
+    memory = memory_by(recall.RandomIndex(), np.zeros((3, 16)), knots, np.zeros((3, 2)))
     told = [{n for n, has in cluster_page.traits(memory).items() if has[k]} for k in range(3)]
     assert told[0] == {"straight", "outwards", "early"}
     assert told[1] == {"makes a detour", "to the left"}

@@ -14,7 +14,7 @@ from gcm_learn.charts.extended import occupied_cells
 from gcm_learn.charts.lattice import Lattice
 from gcm_learn.families import paper
 from gcm_learn.maps import CognitiveMap
-from gcm_learn.plots.figures import style
+from gcm_learn.plots.figures import solid_scene, style
 from gcm_learn.plots.figures.hand_space import (
     draw_extended,
     draw_hand_space,
@@ -22,13 +22,6 @@ from gcm_learn.plots.figures.hand_space import (
     lattice_of,
 )
 from gcm_learn.plots.figures.maps import birth, draw_snapshot, latest_arrival, plot_map, spread
-from gcm_learn.plots.figures.solid_scene import (
-    GLASS,
-    GLASS_ALPHA,
-    draw_course,
-    draw_scene,
-    scene_window,
-)
 from gcm_learn.plots.figures.workspace import draw_arm, draw_courses, draw_poses, draw_workspace
 from tests.rendering.test_rendering import near
 
@@ -224,24 +217,24 @@ def test_poses_are_on_the_trajectory_and_get_darker(planar_case):
 
 def test_a_solid_scene_shows_bodies_plane_and_arm():
     situation = paper.fig5()
-    image = np.asarray(draw_scene(axes(), situation).images[0].get_array())
+    image = np.asarray(solid_scene.draw_scene(axes(), situation).images[0].get_array())
     for colour in (style.OBSTACLE, style.TARGET, style.ARM):
         assert near(image, colour) > 0.0005
-    glass = 1.0 - GLASS_ALPHA * (1.0 - np.array(to_rgba(GLASS[0])[:3]))
+    glass = 1.0 - solid_scene.GLASS_ALPHA * (1.0 - np.array(to_rgba(solid_scene.GLASS[0])[:3]))
     assert (np.abs(image - glass).max(axis=-1) < 0.05).mean() > 0.2
 
 
 def test_a_planar_situation_has_no_solid_scene():
     with pytest.raises(ValueError, match="planar"):
-        draw_scene(axes(), paper.fig4())
+        solid_scene.draw_scene(axes(), paper.fig4())
 
 
 def test_solid_scenes_can_share_a_window_and_show_courses():
     situation, panels = paper.fig8(), list(style.new_figure(8, 4).subplots(1, 2))
-    window = scene_window(situation, (0.0, 0.6))
+    window = solid_scene.scene_window(situation, (0.0, 0.6))
     for ax, t in zip(panels, (0.0, 0.6), strict=True):
-        draw_scene(ax, situation, t, window=window)
-    draw_course(panels[0], situation, 0, 0.6)
+        solid_scene.draw_scene(ax, situation, t, window=window)
+    solid_scene.draw_course(panels[0], situation, 0, 0.6)
     assert panels[0].get_xlim() == panels[1].get_xlim() == window.extent[:2]
     assert panels[0].lines and not panels[1].lines
 
