@@ -28,7 +28,7 @@ from gcm_learn.arms.limbs import (
     swept,
 )
 from gcm_learn.arms.link_gaps import near_links
-from gcm_learn.collision.solids import bone_distance, point_distance
+from gcm_learn.collision.distance import bone_distance, point_distance
 from gcm_learn.compiled import by_type, njit
 from gcm_learn.scene.bodies import (
     BALL,

@@ -16,8 +16,7 @@ INSIDE = TESTED[0] <= numba.version_info.short <= TESTED[1] and not os.environ.g
 if INSIDE:
     from numba.core.compiler_lock import global_compiler_lock
 
-    from gcm_learn.compiled.boxing import replace_numbas
-    from gcm_learn.compiled.parts import kernel
+    from gcm_learn.compiled.parts import kernel, replace_numbas
 
     replace_numbas()
 else:

@@ -4,6 +4,10 @@ Numba optimises a function together with all code below it, and makes machine co
 for each level of calls.  Parts are only simplified and kept as LLVM's bitcode.  A function that
 Python calls is optimised together with its parts.  It is optimised once more if counts of
 references went that span several blocks: only without them some loops are simple enough.
+
+Numba makes the named tuples that it returns by Python functions.  The handler of a signal, such as
+that of Ctrl-C, may raise within one, and numba overlooks that: the process ends by a segmentation
+fault.  Here functions in C make them, which run no handlers.
 """
 
 from __future__ import annotations
@@ -11,13 +15,16 @@ from __future__ import annotations
 import contextlib
 import gc
 from collections.abc import Callable, Iterator
-from functools import cached_property
+from functools import cache, cached_property, partial
 from typing import Any, ClassVar
 
 import llvmlite.binding as llvm
+from numba.core import pythonapi, serialize
+from numba.core.boxing import box_tuple
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler
 from numba.core.registry import CPUDispatcher
+from numba.core.types.containers import NamedTuple, NamedUniTuple
 from numba.core.types.misc import unliteral
 
 from gcm_learn.compiled.cache import Cache
@@ -176,3 +183,22 @@ def _without_collection() -> Iterator[None]:
         yield
     finally:
         gc.enable()
+
+
+def replace_numbas() -> None:
+    """Let numba make named tuples and classes by functions in C, in this process."""
+    for kind in (NamedTuple, NamedUniTuple):
+        pythonapi._boxers.functions[kind] = _box_named_tuple
+    if not hasattr(serialize._numba_unpickle, "cache_info"):
+        serialize._numba_unpickle = cache(serialize._numba_unpickle)
+
+
+def _box_named_tuple(typ: Any, val: Any, c: Any) -> Any:
+    """Return a pointer to the named tuple of a native value."""
+    make = partial(tuple.__new__, typ.instance_class)
+    maker = c.pyapi.unserialize(c.pyapi.serialize_object(make))
+    items = box_tuple(typ, val, c)
+    made = c.pyapi.call_function_objargs(maker, (items,))
+    c.pyapi.decref(maker)
+    c.pyapi.decref(items)
+    return made

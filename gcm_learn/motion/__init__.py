@@ -17,7 +17,11 @@ from gcm_learn.motion.joint_trajectory import (
     to_yaml as to_yaml,
 )
 from gcm_learn.motion.movement import Movement as Movement, Wait as Wait
-from gcm_learn.motion.overlaps import why_blocked as why_blocked
+from gcm_learn.motion.overlaps import (
+    collided_part as collided_part,
+    collision_point as collision_point,
+    why_blocked as why_blocked,
+)
 from gcm_learn.motion.rules import (
     Opening as Opening,
     Rules as Rules,
@@ -33,10 +37,6 @@ from gcm_learn.motion.timing import (
     segment_times as segment_times,
     spread as spread,
     straight_path as straight_path,
-)
-from gcm_learn.motion.touching import (
-    collided_part as collided_part,
-    collision_point as collision_point,
 )
 from gcm_learn.motion.verification import (
     HOLE_MARGIN as HOLE_MARGIN,

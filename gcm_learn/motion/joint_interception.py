@@ -14,7 +14,7 @@ from gcm_learn.arms.limbs import (
     place,
     reach_of,
 )
-from gcm_learn.collision.solids import point_distance
+from gcm_learn.collision.distance import point_distance
 from gcm_learn.compiled import njit
 from gcm_learn.scene.bodies import (
     APPROACH,

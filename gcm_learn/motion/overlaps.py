@@ -1,4 +1,4 @@
-"""The deepest overlap of an arm at t = 0, by the names of links and bodies."""
+"""Places of contact: the deepest overlap at t = 0, and where a planar limb ends in an obstacle."""
 
 from __future__ import annotations
 
@@ -10,14 +10,17 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from gcm_learn import arms
-from gcm_learn.arms import CHAIN, IDENTITY, PLANAR, SPATIAL, ByKind, off_segment
+from gcm_learn.arms import CHAIN, IDENTITY, PLANAR, SPATIAL, ByKind, elbow_of, off_segment
+from gcm_learn.collision import segment_distance
 from gcm_learn.motion.failures import Failure, Reason
+from gcm_learn.motion.movement import Movement
 from gcm_learn.motion.rules import start_clearance
-from gcm_learn.scene import Scene, gap, poses_at
-from gcm_learn.situation import AnySituation
+from gcm_learn.scene import LIMB, PART, Scene, gap, pack, poses_at
+from gcm_learn.situation import AnySituation, Situation
 
 _POINTS, _ROUNDS = 33, 3  # of an axis that are asked at once; how often, always more closely
 _Overlap = tuple[float, str, str]
+_SAMPLES = 101  # of each part of the limb, among which the nearest one is found
 
 
 def why_blocked(situation: AnySituation, scene: Scene) -> Reason:
@@ -104,3 +107,33 @@ _KINDS = ByKind(
     },
     default=_Kind(lambda arm, i: f"link {i}", itself=True),
 )
+
+
+def collided_part(situation: Situation, path: Movement) -> str:
+    """Return the part of the limb that is nearer to an obstacle at the end of a path."""
+    elbow, hand, distance = _at_end(situation, path)
+    return "forearm" if distance(elbow, hand) <= distance(np.zeros(2), elbow) else "upper arm"
+
+
+def collision_point(situation: Situation, path: Movement) -> np.ndarray:
+    """Return the point (2,) of the limb that is nearest to an obstacle at the end of a path."""
+    elbow, hand, distance = _at_end(situation, path)
+    shares = np.linspace(0.0, 1.0, _SAMPLES)[:, None]
+    points = np.concatenate([shares * elbow, elbow + shares * (hand - elbow)])
+    return np.asarray(min(points, key=lambda point: distance(point, point)))
+
+
+def _at_end(
+    situation: Situation, path: Movement
+) -> tuple[np.ndarray, np.ndarray, Callable[[np.ndarray, np.ndarray], float]]:
+    """Return elbow (2,) and hand (2,) at the end of a path, and distances of segments there."""
+    (bodies, limb, _), hand = pack(situation), path.hand[-1]
+    poses = np.zeros((len(situation.bodies), 12))
+    poses_at(bodies, path.duration, poses)
+    obstacles = np.flatnonzero(bodies.rows[:, PART] == LIMB)
+
+    def distance(start: np.ndarray, end: np.ndarray) -> float:
+        near = (segment_distance(bodies, poses, b, *start, *end) for b in obstacles)
+        return float(min(near, default=np.inf))
+
+    return np.array(elbow_of(hand[0], hand[1], limb.rho, limb.side)), hand, distance

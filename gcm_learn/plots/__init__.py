@@ -8,7 +8,6 @@ from __future__ import annotations
 from gcm_learn.plots.figures import sheet, style as style
 from gcm_learn.plots.figures.arms import draw_arm as draw_arm
 from gcm_learn.plots.figures.execution import animate_execution as animate_execution
-from gcm_learn.plots.figures.failures import Failure as Failure, failure_figure as failure_figure
 from gcm_learn.plots.figures.film import animate as animate
 from gcm_learn.plots.figures.kinds import DRAWN as DRAWN
 from gcm_learn.plots.figures.maps import (
@@ -17,7 +16,11 @@ from gcm_learn.plots.figures.maps import (
     plot_plan as plot_plan,
 )
 from gcm_learn.plots.figures.paper import FIGURES as FIGURES, draw_figure as draw_figure
-from gcm_learn.plots.figures.plan import plan_figure as plan_figure
+from gcm_learn.plots.figures.plan import (
+    Failure as Failure,
+    failure_figure as failure_figure,
+    plan_figure as plan_figure,
+)
 from gcm_learn.plots.figures.workspace import (
     draw_bodies as draw_bodies,
     draw_courses as draw_courses,

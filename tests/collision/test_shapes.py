@@ -12,7 +12,7 @@ from typing import get_args
 import numpy as np
 import pytest
 
-from gcm_learn.collision.solids import bone_distance, point_distance
+from gcm_learn.collision.distance import bone_distance, point_distance
 from gcm_learn.execution.body.model import GEOMS
 from gcm_learn.families.random_solid import random_rotation
 from gcm_learn.rendering.solids import MESHES

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from gcm_learn.arms.limbs import hand_of, place
-from gcm_learn.collision.solids import point_distance
+from gcm_learn.collision.distance import point_distance
 from gcm_learn.compiled import njit
 from gcm_learn.motion.joint_interception import met_at
 from gcm_learn.scene import HAND, PART, Bodies, Scene, poses_at

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from gcm_learn.arms.limbs import axis_of, axis_turns, dof, hand_of, jacobian, place
-from gcm_learn.collision.solids import point_distance
+from gcm_learn.collision.distance import point_distance
 from gcm_learn.compiled import njit
 from gcm_learn.motion.joint_interception import (
     ANGLE,

@@ -1,4 +1,4 @@
-"""Pictures of a planar arm, drawn with lines and patches in the arm's plane."""
+"""Pictures and films of a planar arm, drawn with lines and patches in the arm's plane."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from gcm_learn.arms import elbow_position
 from gcm_learn.motion import collision_point
 from gcm_learn.plots.figures import style
 from gcm_learn.plots.figures.hand_space import (
@@ -18,11 +19,11 @@ from gcm_learn.plots.figures.hand_space import (
     show_image,
 )
 from gcm_learn.plots.figures.maps import draw_effective, draw_explored, plot_map, plot_plan
-from gcm_learn.plots.figures.plane_film import Film, PlaneFilm, film_of
 from gcm_learn.plots.figures.sheets import sheet_panels
-from gcm_learn.plots.figures.solid_scene import draw_scene
+from gcm_learn.plots.figures.solid_scene import SolidFilm, draw_scene
 from gcm_learn.plots.figures.style import Panel, Scene
 from gcm_learn.plots.figures.workspace import (
+    draw_arm,
     draw_bodies,
     draw_courses,
     draw_movement,
@@ -31,6 +32,7 @@ from gcm_learn.plots.figures.workspace import (
     notable_waits,
     waiting_at,
 )
+from gcm_learn.scene import outline
 from gcm_learn.situation import Situation
 
 if TYPE_CHECKING:
@@ -43,6 +45,7 @@ LATER = 0.3  # strength of bodies at the end of a movement
 BEFORE = 0.25  # strength of bodies at t = 0
 DASHED, DOTTED = (0, (2, 1.5)), (0, (1, 1.5))  # paths of hands
 COARSE = 240  # cells a side of the drawn extended obstacles
+HELD = 25  # instants of a film at which targets are in its picture
 
 
 class Diagram:
@@ -241,3 +244,56 @@ class MissedDiagram:
             point = np.asarray(collision_point(self.situation, moves))
             (place,) = film.seen(point[None])
             ax.plot(*place, "o", mfc="none", mec=style.EFFECTIVE, ms=16, mew=1.8, zorder=12)
+
+
+class PlaneFilm:
+    """An arm's plane in a picture that holds the whole way of the targets.
+
+    Parameters
+    ----------
+    situation : Situation
+        With a planar arm.
+    end : float
+        Of the film [s].
+    """
+
+    def __init__(self, situation: Situation, end: float) -> None:
+        self.situation, self.end = situation, end
+
+    def frame(self, ax: Axes) -> None:
+        """Frame the disc in reach, and the targets at all times."""
+        situation = self.situation
+        style.frame(ax, situation.arm.upper_arm)
+        targets = [k for k, body in enumerate(situation.bodies) if body.role == "target"]
+        times = np.linspace(0.0, self.end, HELD)
+        shapes = [outline(situation, k, t) for k in targets for t in times]
+        rim = np.array([ax.get_xlim(), ax.get_ylim()]).T
+        held = np.concatenate([rim, *(corners for corners in shapes if corners is not None)])
+        low, high = held.min(axis=0), held.max(axis=0)
+        half, (x, y) = 0.5 * float((high - low).max()), 0.5 * (low + high)
+        ax.set(xlim=(x - half, x + half), ylim=(y - half, y + half))
+
+    def seen(self, points: np.ndarray) -> np.ndarray:
+        """Return points (k, 2) of the arm's plane, which are the picture's."""
+        return points
+
+    def show(
+        self, ax: Axes, t: float, hand: np.ndarray, pixels: int, other: np.ndarray | None = None
+    ) -> None:
+        """Draw time t [s] with the hand (2,), and an arm with another hand in grey."""
+        arm = self.situation.arm
+        draw_bodies(ax, self.situation, t)
+        if other is not None:
+            elbow = elbow_position(other, arm.upper_arm, arm.elbow)
+            limb = np.array([(0.0, 0.0), elbow, other])
+            ax.plot(*limb.T, "o-", color=style.FAINT, lw=3.0, ms=6.0, alpha=0.7, zorder=5.5)
+        draw_arm(ax, arm, hand)
+
+
+Film = PlaneFilm | SolidFilm
+_FILMS: dict[bool, type[Film]] = {False: PlaneFilm, True: SolidFilm}
+
+
+def film_of(situation: Situation, end: float) -> Film:
+    """Return the film of a planar arm until `end` [s], of its plane or of the solids about it."""
+    return _FILMS[situation.is_solid](situation, end)

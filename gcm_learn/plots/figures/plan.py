@@ -1,20 +1,25 @@
-"""Picture of one plan: the movement, and the map that it was read from."""
+"""Pictures of one plan, with the map that it was read from, and of one missed catch."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.figure import Figure
 
 from gcm_learn.plots.figures import style
-from gcm_learn.plots.figures.kinds import pictures_of
+from gcm_learn.plots.figures.kinds import DRAWN, pictures_of
 from gcm_learn.situation import AnySituation
 
 if TYPE_CHECKING:
     from gcm_learn.planners import Plan
 
 ABREAST = 4  # panels in one row; more are set in rows of three
+PANEL = 480  # of a picture before a camera [pixels]
+SIZE = (3.6, 3.8)  # [inches]
+WORDS = {"broken": "breaks its promise", "error": "fails"}
 
 
 def plan_figure(situation: AnySituation, plan: Plan) -> Figure:
@@ -55,3 +60,46 @@ def _headline(plan: Plan, waiting: float) -> str:
     known = plan.clearance is not None and np.isfinite(plan.clearance)
     space = f", clearance {plan.clearance:.3f}" if known else ""
     return f"{plan.name} · {plan.planner}: {when}{space}, planned in {plan.planning_ms:.1f} ms"
+
+
+@dataclass(frozen=True)
+class Failure:
+    """A situation, and an entrant that did not catch in it."""
+
+    name: str
+    """Of the entrant."""
+    about: str
+    """Family and stratum."""
+    situation: Any
+    outcome: str
+    trajectory: Any
+    """Movement that ends in a collision; None if the arm rested."""
+    example: Any = None
+    """Movement of an entrant that catches, or None."""
+
+    @cached_property
+    def pictures(self) -> Any:
+        """Pictures of it, by the kind of arm."""
+        touches = self.outcome == "touched"
+        return DRAWN.of(self.situation).missed(
+            self.situation, self.trajectory, self.example, touches
+        )
+
+    @property
+    def duration(self) -> float:
+        """Time until it is over [s]: the collision, or the example's catch.
+
+        Without both it is the horizon or, where bodies are solid, when a target is closest.
+        """
+        shown = self.trajectory or self.example
+        return float(self.pictures.resting_until if shown is None else shown.duration)
+
+
+def failure_figure(failure: Failure) -> Figure:
+    """Draw a failure where it ended."""
+    figure = style.new_figure(*SIZE)
+    ax = figure.subplots()
+    failure.pictures.show_end(ax, failure.duration, PANEL)
+    words = WORDS.get(failure.outcome, failure.outcome.replace("_", " "))
+    style.title(ax, f"{failure.name}: {words}\n{failure.about} {failure.duration:.2f} s")
+    return figure

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from gcm_learn.arms import forward_in_space, rotation_of
-from gcm_learn.collision.solids import bone_distance
+from gcm_learn.collision.distance import bone_distance
 from gcm_learn.execution import AIM, COMMANDS, Pool, SpatialSettings, commands_of
 from gcm_learn.execution.arena.kernels.joints import fan
 from gcm_learn.motion.joint_interception import fastest_hand

@@ -8,8 +8,8 @@ import pytest
 
 from gcm_learn.arms import Base, SpatialArm, forward_in_space, rotation_of
 from gcm_learn.arms.swivels import RHO
+from gcm_learn.collision.distance import bone_distance
 from gcm_learn.collision.postures import desk_of, distance_at
-from gcm_learn.collision.solids import bone_distance
 from gcm_learn.execution import ChainSettings, Pool, SpatialSettings, pool_for
 from gcm_learn.execution.arena.kernels.joints import nearness
 from gcm_learn.execution.arena.kernels.joints.observation import OBSTACLE, UNTIL_AIM

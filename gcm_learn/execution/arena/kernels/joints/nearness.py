@@ -6,7 +6,7 @@ import numpy as np
 
 from gcm_learn.arms.curves import hermite, line
 from gcm_learn.arms.limbs import dof
-from gcm_learn.collision.solids import to_body
+from gcm_learn.collision.distance import to_body
 from gcm_learn.compiled import njit
 from gcm_learn.scene.bodies import (
     ACCELERATION,
