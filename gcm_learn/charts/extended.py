@@ -1,6 +1,6 @@
 """Extended obstacles as curves (Eqs. 4-9): what a point of the world is in hand-space.
 
-Planning asks cells instead (`collision.occupancy`); these curves draw figures and test that predicate.
+Planning asks cells instead (`collision.occupancy`); curves draw figures and test that predicate.
 """
 
 from __future__ import annotations

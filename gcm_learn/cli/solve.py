@@ -13,16 +13,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, TextIO
 
 from tyro.conf import Positional, arg
 
+from gcm_learn.cli import files
 from gcm_learn.cli.failures import CommandFailure, one_line, place_of
-from gcm_learn.cli.files import (
-    FileNames,
-    drawn_into,
-    made_folder,
-    output,
-    refuse_same,
-    require_suffix,
-    staged,
-)
 from gcm_learn.cli.options import FROM_NOTHING, WHOLE, Output, given
 from gcm_learn.cli.progress import Progress
 from gcm_learn.errors import GcmError, SituationError
@@ -88,18 +80,18 @@ class Solve:
         if self.deadline is not None and not getattr(planner, "anytime", False):
             raise CommandFailure(f"--deadline: planner {planner.name!r} takes no deadline")
         situations = read(self.file, planner, self.index)
-        refuse_same({"FILE": Path(self.file), "--out": self.out, "--film": self.film})
+        files.refuse_same({"FILE": Path(self.file), "--out": self.out, "--film": self.film})
         with contextlib.ExitStack() as stack:
             draws: list[Draw] = []
             if self.plot is not None:
-                draws.append(drawn_into(self.plot, "png", _picture, option="--plot"))
+                draws.append(files.drawn_into(self.plot, "png", _picture, option="--plot"))
             if self.film is not None:
                 draws.append(_film(self.film, situations, stack))
             written = None
             if self.trajectories is not None:
                 written = Trajectories(self.trajectories, self.form, stop=self.stop)
                 draws.append(written.write)
-            stream = stack.enter_context(output(self.out))
+            stream = stack.enter_context(files.output(self.out))
             _solve_all(self, situations, planner, stream, draws)
         return 1 if written is not None and written.refused else 0
 
@@ -219,9 +211,9 @@ def _film(target: Path, situations: list[AnySituation], stack: contextlib.ExitSt
         raise CommandFailure(f"--film: shows one of the {len(situations)} situations, see --index")
     from gcm_learn.plots import DRAWN, animate, write_film_page
 
-    require_suffix(target, DRAWN.of(situations[0]).films, "--film")
+    files.require_suffix(target, DRAWN.of(situations[0]).films, "--film")
     show: Any = animate if target.suffix.lower() == ".gif" else write_film_page
-    place = stack.enter_context(staged(target, option="--film"))
+    place = stack.enter_context(files.staged(target, option="--film"))
     return lambda situation, plan: show(situation, plan, place)
 
 
@@ -238,8 +230,8 @@ class Trajectories:
     """
 
     def __init__(self, folder: Path, form: Form, *, stop: bool) -> None:
-        self._folder = made_folder(folder, option="--trajectories")
-        self._form, self._stop, self._names = form, stop, FileNames()
+        self._folder = files.made_folder(folder, option="--trajectories")
+        self._form, self._stop, self._names = form, stop, files.FileNames()
         self.refused = 0
         """Number of catches without a file."""
 
@@ -257,7 +249,7 @@ class Trajectories:
             self.refused += 1
             print(one_line(f"gcm-learn: {error}; see --no-stop"), file=sys.stderr)
             return
-        with output(self._folder / f"{name}{SUFFIXES[self._form]}") as stream:
+        with files.output(self._folder / f"{name}{SUFFIXES[self._form]}") as stream:
             stream.write(_text(self._form, moves))
 
 

@@ -10,20 +10,9 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from tyro.conf import Positional, arg
 
+from gcm_learn.cli import options
 from gcm_learn.cli.failures import CommandFailure, dataset_package, say, why
 from gcm_learn.cli.files import made_folder, refuse_missing
-from gcm_learn.cli.options import (
-    COUNT,
-    TIME,
-    WHOLE,
-    All,
-    Cluster,
-    Count,
-    Folder,
-    Number,
-    Workers,
-    given,
-)
 from gcm_learn.cli.progress import Progress
 from gcm_learn.errors import MissingExtraError
 
@@ -43,13 +32,13 @@ class Policy:
     """a .yml file of hyperparameters in the form of rl_zoo3; `gcm-learn demo --copy ppo.yml` copies
     one, `gcm-learn demo --list` lists others"""
 
-    out: Folder
+    out: options.Folder
     """folder for the policy, its checkpoints, its log and its card"""
 
-    seed: Annotated[int | None, WHOLE, given("N", "the file's")] = None
+    seed: Annotated[int | None, options.WHOLE, options.given("N", "the file's")] = None
     """of everything random"""
 
-    steps: Annotated[int | None, COUNT, given("N", "the file's")] = None
+    steps: Annotated[int | None, options.COUNT, options.given("N", "the file's")] = None
     """of all arms together; more than before goes on with a finished run"""
 
     def run(self) -> int:
@@ -77,19 +66,21 @@ class Encoder:
     dataset: Annotated[Positional[str], arg(metavar="DATASET")]
     """folder of a dataset, see gcm-learn generate; its records for training become memories"""
 
-    out: Folder
+    out: options.Folder
     """folder for the model"""
 
-    time: Annotated[float, TIME, given("TIME", "40min")] = 2400.0
+    time: Annotated[float, options.TIME, options.given("TIME", "40min")] = 2400.0
     """how long to train, reading the dataset not counted"""
 
-    turns: Annotated[int | None, COUNT, given("N", "as many as fit the time")] = None
+    turns: Annotated[int | None, options.COUNT, options.given("N", "as many as fit the time")] = (
+        None
+    )
     """train for N lessons instead, which gives the same encoder every time"""
 
-    start: Annotated[Path | None, given("DIR", "weights drawn at random")] = None
+    start: Annotated[Path | None, options.given("DIR", "weights drawn at random")] = None
     """folder of an encoder whose weights to start from"""
 
-    dim: Count = 32
+    dim: options.Count = 32
     """numbers of an embedding"""
 
     memory: Literal["trace", "map", "both"] = "trace"
@@ -99,16 +90,16 @@ class Encoder:
     """learn from random movements to the targets in place of catches, as long as these: a
     control; see gcm-learn memory make --synthetic"""
 
-    most: All = None
+    most: options.All = None
     """records that are read at most"""
 
-    seed: Number = 0
+    seed: options.Number = 0
     """of weights and lessons"""
 
-    workers: Workers = 1
+    workers: options.Workers = 1
     """processes on this machine that read records and make labels"""
 
-    cluster: Cluster = None
+    cluster: options.Cluster = None
     """a Dask scheduler whose workers do that instead, tcp://HOST:PORT"""
 
     def run(self) -> int:

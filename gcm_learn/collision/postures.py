@@ -13,20 +13,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from gcm_learn.arms import limbs
 from gcm_learn.arms.chain_limb import ChainLimb
 from gcm_learn.arms.curves import line, on_curve
-from gcm_learn.arms.limbs import (
-    dof,
-    ignores,
-    inverts,
-    link,
-    link_count,
-    place,
-    self_gap,
-    slack_of,
-    still,
-    swept,
-)
 from gcm_learn.arms.link_gaps import near_links
 from gcm_learn.collision.distance import bone_distance, point_distance
 from gcm_learn.compiled import by_type, njit
@@ -76,8 +65,8 @@ def desk_of(scene):
             count += 1
     return Desk(
         np.zeros((rows.shape[0], 12)),
-        np.zeros((dof(scene.limb), 4)),
-        np.zeros(dof(scene.limb)),
+        np.zeros((limbs.dof(scene.limb), 4)),
+        np.zeros(limbs.dof(scene.limb)),
         np.zeros((_DEEPEST + 2, 2)),
         np.zeros(_DEEPEST + 2, dtype=np.int64),
         which[:count].copy(),
@@ -91,11 +80,11 @@ def _gap_to_links(limb, where, slack, bodies, b, t, off, enough, poses):
     turned = centre_at(bodies, b, t, poses)
     x, y, z, reach = poses[b, 0], poses[b, 1], poses[b, 2], bodies.rows[b, REACH]
     best, room = 1e300, 1e300
-    for i in range(link_count(limb)):
-        if ignores(limb, i, b):
+    for i in range(limbs.link_count(limb)):
+        if limbs.ignores(limb, i, b):
             continue
-        px, py, pz, qx, qy, qz, radius = link(limb, where, i)
-        slip = slack_of(limb, slack, i) + off
+        px, py, pz, qx, qy, qz, radius = limbs.link(limb, where, i)
+        slip = limbs.slack_of(limb, slack, i) + off
         gap = off_bone(x - px, y - py, z - pz, qx - px, qy - py, qz - pz) - reach - radius
         if bodies.rows[b, BALL] == 0.0 and gap - slip <= enough:
             if turned:
@@ -116,7 +105,7 @@ def _gap_to_capsules(limb, where, slack, bodies, b, t, off, enough, poses):
     if count == 0:
         return 1e300, 1e300
     links = (limb.near, limb.reaches, limb.balls, limb.radii, limb.ways, limb.ignored)
-    return _gap_to_near(links, count, bodies, b, t, turned, off, enough, inverts(limb), poses)
+    return _gap_to_near(links, count, bodies, b, t, turned, off, enough, limbs.inverts(limb), poses)
 
 
 @njit(_nrt=False)
@@ -188,8 +177,8 @@ enough : float
 @njit(_nrt=False)
 def distance_at(scene, q, t, desk):
     """Distance of the limb at joints q (n,) to the nearest obstacle at t [s]; see `gap_to`."""
-    best, where = 1e300, place(scene.limb, q)
-    slack = still(scene.limb)
+    best, where = 1e300, limbs.place(scene.limb, q)
+    slack = limbs.still(scene.limb)
     for k in range(desk.obstacles.size):
         found, _ = gap_to(
             scene.limb, where, slack, scene.bodies, desk.obstacles[k], t, 0.0, best, desk.poses
@@ -204,8 +193,8 @@ def free_at(scene, q, t, touch, desk):
 
     This is quicker than `gap_at`, which has to know how far.
     """
-    where, slack = place(scene.limb, q), still(scene.limb)
-    if self_gap(scene.limb, where, slack, touch)[0] <= touch:
+    where, slack = limbs.place(scene.limb, q), limbs.still(scene.limb)
+    if limbs.self_gap(scene.limb, where, slack, touch)[0] <= touch:
         return False
     for k in range(desk.obstacles.size):
         b = desk.obstacles[k]
@@ -219,7 +208,10 @@ def free_at(scene, q, t, touch, desk):
 def gap_at(scene, q, t, desk):
     """Distance as of `distance_at`, or of the limb to itself if that is less."""
     found = distance_at(scene, q, t, desk)
-    return min(found, self_gap(scene.limb, place(scene.limb, q), still(scene.limb), 1e300)[0])
+    return min(
+        found,
+        limbs.self_gap(scene.limb, limbs.place(scene.limb, q), limbs.still(scene.limb), 1e300)[0],
+    )
 
 
 @njit(_nrt=False)
@@ -236,10 +228,10 @@ def _least_of(scene, since, until, floor, resolution, best, first, desk):
         low, high, mask = desk.spans[depth, 0], desk.spans[depth, 1], desk.waiting[depth]
         s, half, left = 0.5 * (low + high), 0.5 * (high - low), np.int64(0)
         on_curve(desk.curve, s, desk.joints)
-        where, t = place(scene.limb, desk.joints), since + s * span
-        slack = swept(scene.limb, desk.curve, s, half, where)
+        where, t = limbs.place(scene.limb, desk.joints), since + s * span
+        slack = limbs.swept(scene.limb, desk.curve, s, half, where)
         if mask >> ITSELF & 1:
-            found, room = self_gap(scene.limb, where, slack, floor)
+            found, room = limbs.self_gap(scene.limb, where, slack, floor)
             if found <= floor:
                 return floor, t
             if room <= floor:

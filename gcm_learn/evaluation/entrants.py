@@ -11,28 +11,10 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from gcm_learn import policies
+from gcm_learn import planners, policies
 from gcm_learn.arms import Kind, kind_of
 from gcm_learn.errors import SuiteError, UnknownNameError
 from gcm_learn.evaluation.machine import spent
-from gcm_learn.planners import (
-    FAULTS,
-    LIMIT,
-    Plan,
-    Planner,
-    absolute,
-    acts,
-    found,
-    get_planner,
-    in_words,
-    instance,
-    is_registered,
-    name_of,
-    plan_with,
-    source_of,
-    summary_of,
-    taken,
-)
 from gcm_learn.processes import OutOfTime, time_limit
 from gcm_learn.recall import MANIFEST, Memory, with_memory
 from gcm_learn.situation import AnySituation, planar
@@ -48,7 +30,7 @@ class Answer(NamedTuple):
     """Of caught, declined, start_blocked, touched, late, broken and error."""
     ms: float
     """Processor time before the arm moves [ms]; of actors, that of one step."""
-    plans: tuple[Plan, ...] = ()
+    plans: tuple[planners.Plan, ...] = ()
     """The plan; of an actor that catches, one for each target that it may have caught."""
     reason: str = ""
     """Reason of a broken promise or an error."""
@@ -59,16 +41,16 @@ class PlannerMethod:
     """A planner: a catch is promised before the arm moves."""
 
     name: str
-    planner: Planner
+    planner: planners.Planner
 
     def check(self, situation: AnySituation) -> None:
         """Raise ArmKindError unless the planner takes the arm."""
-        taken(self.planner, situation)
+        planners.taken(self.planner, situation)
 
     def answer(self, situation: AnySituation) -> Answer:
         """Plan."""
-        plan = plan_with(self.planner, situation)
-        reason = plan.message if plan.status in FAULTS else ""
+        plan = planners.plan_with(self.planner, situation)
+        reason = plan.message if plan.status in planners.FAULTS else ""
         return Answer(WORDS.get(plan.status, plan.status), 0.0, (plan,), reason)
 
 
@@ -96,8 +78,9 @@ class ActorMethod:
         names = [target.name for target in situation.targets] if outcome == "caught" else [None]
         status: Any = "caught" if outcome == "caught" else "unreachable"
         plans = tuple(
-            Plan(situation.name, self.name, status, outcome, 0.0, moves.duration if body else None,
-                 body, trajectory=moves)
+            planners.Plan(
+                situation.name, self.name, status, outcome, 0.0,
+                moves.duration if body else None, body, trajectory=moves)
             for body in names
         )  # fmt: skip
         return Answer(outcome, ms, plans)
@@ -126,7 +109,7 @@ class Entrant:
     known: str = ""
     """Name and content: answers of another version do not count."""
 
-    def method(self, limit: float | None = LIMIT) -> Method:
+    def method(self, limit: float | None = planners.LIMIT) -> Method:
         """Return what answers.
 
         Raises
@@ -141,7 +124,7 @@ class Entrant:
             try:
                 source = pickle.loads(source)
             except Exception as error:
-                raise SuiteError(_stays(self.name, in_words(error))) from None
+                raise SuiteError(_stays(self.name, planners.in_words(error))) from None
         return get_method(source, self.name, limit)
 
 
@@ -162,7 +145,7 @@ def asked(method: Method, situation: AnySituation, limit: float) -> Answer:
     except OutOfTime:
         reason = f"no answer within {limit:g} s"
     except (Exception, SystemExit) as error:
-        reason = in_words(error)
+        reason = planners.in_words(error)
     return Answer("error", 1e3 * (spent() - since), reason=reason)
 
 
@@ -187,7 +170,10 @@ def entrants_of(given: Sequence[Any], *, alone: bool = True) -> list[Entrant]:
             name, seed, item = item.name, item.seed, item.source
             item = item.given if isinstance(item, Held) else item
         else:
-            name, seed = _distinct(item if isinstance(item, str) else name_of(item), made), 0
+            name, seed = (
+                _distinct(item if isinstance(item, str) else planners.name_of(item), made),
+                0,
+            )
         made.append(Entrant(name, _source(item, name, alone), seed, _known(item)))
     return made
 
@@ -209,21 +195,21 @@ def _known(item: Any) -> str:
     if folder is not None and (folder / MANIFEST).is_file():
         return f"{item} {content_hash((folder / MANIFEST).read_bytes())[:16]}"
     if isinstance(item, str):
-        found(item)  # imported, so that its file is known
-        return source_of(item)
+        planners.found(item)  # imported, so that its file is known
+        return planners.source_of(item)
     home = item if inspect.isroutine(item) or isinstance(item, type) else type(item)
     try:
         code = inspect.getsource(home)
     except (OSError, TypeError):
         code = ""
-    return f"{source_of(item)} {content_hash(code)[:16]}"
+    return f"{planners.source_of(item)} {content_hash(code)[:16]}"
 
 
 def _source(item: Any, name: str, alone: bool) -> str | bytes | Held:
     if isinstance(item, bytes):
         return item
     if isinstance(item, str):
-        return absolute(item)
+        return planners.absolute(item)
     if alone:
         return Held(item)
     home = item if isinstance(item, type) else type(item)
@@ -233,7 +219,7 @@ def _source(item: Any, name: str, alone: bool) -> str | bytes | Held:
     try:
         return pickle.dumps(item)
     except Exception as error:
-        raise SuiteError(_stays(name, in_words(error))) from None
+        raise SuiteError(_stays(name, planners.in_words(error))) from None
 
 
 def _stays(name: str, why: str) -> str:
@@ -243,7 +229,7 @@ def _stays(name: str, why: str) -> str:
     )
 
 
-def get_method(given: Any, name: str = "", limit: float | None = LIMIT) -> Method:
+def get_method(given: Any, name: str = "", limit: float | None = planners.LIMIT) -> Method:
     """Return what answers, by name, by reference, or from an object.
 
     Parameters
@@ -263,19 +249,19 @@ def get_method(given: Any, name: str = "", limit: float | None = LIMIT) -> Metho
     UnknownNameError
         With the known names.
     """
-    told = name or (given if isinstance(given, str) else name_of(given))
+    told = name or (given if isinstance(given, str) else planners.name_of(given))
     if isinstance(given, str):
-        actor = None if is_registered(given) else policies.found_actor(given)
+        actor = None if planners.is_registered(given) else policies.found_actor(given)
         if actor is not None:
             return ActorMethod(told, actor)
         planner, _, folder = given.partition("@")
-        if is_registered(planner) and (Path(folder) / MANIFEST).is_file():
+        if planners.is_registered(planner) and (Path(folder) / MANIFEST).is_file():
             return PlannerMethod(told, with_memory(planner, Memory.load(folder)))
     made = _made(given, told)
     if isinstance(made, policies.Acting):
         return ActorMethod(told, made)
     try:
-        return PlannerMethod(told, get_planner(made, name=told, limit=limit))
+        return PlannerMethod(told, planners.get_planner(made, name=told, limit=limit))
     except UnknownNameError as error:
         if not error.known:
             raise
@@ -287,11 +273,11 @@ def _made(given: Any, told: str) -> Any:
     """Return a policy, a planner from outside, or the name of a registered planner."""
     made = given
     if isinstance(given, str):
-        made = None if is_registered(given) else found(given)
+        made = None if planners.is_registered(given) else planners.found(given)
         if made is None:
             return given
-    made = instance(made, told)
-    if isinstance(made, Path) or (acts(made) and not isinstance(made, policies.Acting)):
+    made = planners.instance(made, told)
+    if isinstance(made, Path) or (planners.acts(made) and not isinstance(made, policies.Acting)):
         return policies.own_policy(made, told)
     return made
 
@@ -303,7 +289,7 @@ def summary(entrant: Entrant) -> str:
         words = getattr(source, "summary", "") or inspect.getdoc(source) or ""
         return str(words).strip().partition("\n")[0]
     bare, _, tries = source.partition("@")
-    words = summary_of(bare)
+    words = planners.summary_of(bare)
     if not words and bare in policies.all_actor_names():
         words = f"network that acts step by step ({policies.actor_folder(bare).name})"
     if tries.isdigit():

@@ -11,16 +11,8 @@ from typing import Any
 import numpy as np
 
 from gcm_learn.errors import SuiteError
+from gcm_learn.evaluation import statistics
 from gcm_learn.evaluation.sheet import Sheet
-from gcm_learn.evaluation.statistics import (
-    Interval,
-    chance,
-    difference,
-    hierarchical,
-    holm,
-    mcnemar,
-    wilson,
-)
 
 BUDGETS_MS = (1.0, 10.0, 20.0, 100.0, 1000.0)
 """Processor times within which catches are counted [ms, calibrated]."""
@@ -54,7 +46,7 @@ def cell(name: str, value: Any) -> str:
     """Return a value as text; shares in per cent, differences in points."""
     if isinstance(value, str):
         return value
-    if isinstance(value, Interval):
+    if isinstance(value, statistics.Interval):
         if not math.isfinite(value.value):
             return "–"
         middle, low, high = (100.0 * one for one in value)
@@ -66,7 +58,7 @@ def cell(name: str, value: Any) -> str:
     if isinstance(value, (int, np.integer)):
         return f"{value:,}"
     if name.startswith("p"):
-        return chance(value)
+        return statistics.chance(value)
     if "[%]" in name:
         return f"{100.0 * value:.1f}"
     return f"{value:.3g}" if abs(value) < 100.0 else f"{value:,.0f}"
@@ -103,9 +95,9 @@ def _shares(part: Sheet) -> tuple[Any, ...]:
     seeds = len(part.each("seed"))
     count = len(part) // seeds
     if seeds > 1:
-        caught = hierarchical(right.reshape(seeds, count).astype(float))
+        caught = statistics.hierarchical(right.reshape(seeds, count).astype(float))
     else:
-        caught = wilson(int(right.sum()), len(part))
+        caught = statistics.wilson(int(right.sum()), len(part))
     others = (float(np.mean(outcome == name)) for name in SHARES[1:])
     return (count, caught, *others, *(quantile(times, share) for share in (0.5, 0.95)))
 
@@ -155,7 +147,7 @@ def pairs(
             if not len(mine) or not len(other):
                 continue
             rows.append((*key, f"{first} – {second}", *_pair(mine, other, first, second)))
-    chances = holm([row[-1] for row in rows])
+    chances = statistics.holm([row[-1] for row in rows])
     told = ("situations", "difference [points]", "only first", "only second", "p", "p (Holm)")
     return Table((*names, "pair", *told), [(*row, p) for row, p in zip(rows, chances, strict=True)])
 
@@ -169,16 +161,16 @@ def _pair(mine: Sheet, other: Sheet, first: str, second: str) -> tuple[Any, ...]
         raise SuiteError(f"{first!r} and {second!r} have not answered the same situations")
     several = bool((mine["wanted"] > 1).any())
     a, b = (s["targets"] * s.caught if several else s.caught for s in (mine, other))
-    more, less, p = mcnemar(a > b, b > a)
+    more, less, p = statistics.mcnemar(a > b, b > a)
     seeds = len(mine.each("seed"))
     if seeds > 1:
         one, two = (part.caught.reshape(seeds, -1) for part in (mine, other))
-        found = hierarchical(one.astype(float) - two)
-        p = max(mcnemar(*rows)[2] for rows in zip(one, two, strict=True))  # of each seed
+        found = statistics.hierarchical(one.astype(float) - two)
+        p = max(statistics.mcnemar(*rows)[2] for rows in zip(one, two, strict=True))  # of each seed
     elif several:
-        found = difference(a / mine["wanted"], b / other["wanted"], mine["family"])
+        found = statistics.difference(a / mine["wanted"], b / other["wanted"], mine["family"])
     else:
-        found = difference(a, b, mine["family"])
+        found = statistics.difference(a, b, mine["family"])
     return len(mine) // seeds, found, more, less, p
 
 

@@ -17,20 +17,10 @@ from typing import NamedTuple
 import numpy as np
 
 from gcm_learn.arms import Arm
+from gcm_learn.families import ranges
 from gcm_learn.families.layout import TRIES, Event, anywhere, elbow_at, polar, way_time
 from gcm_learn.families.piece_family import InSpace, PieceFamily
 from gcm_learn.families.pieces import Piece, Vector, solid_body
-from gcm_learn.families.ranges import (
-    Counts,
-    Range,
-    counts,
-    number,
-    pick,
-    pick_angle,
-    pick_count,
-    pick_sign,
-    span,
-)
 from gcm_learn.situation import Body
 
 STEEPEST = 1.2  # [rad] runners would have to run far if the target were farther behind
@@ -59,26 +49,26 @@ class Gate(PieceFamily):
     name = "gate"
     summary = "a gate that locks the arm in until it slides away or runs ahead"
 
-    obstacles: Counts = counts(2, 4, 2)
+    obstacles: ranges.Counts = ranges.counts(2, 4, 2)
     """Number of obstacles, the gate and the body on the arm's other side included."""
-    opening: Range = span(0.05, 0.4, 0.01, 0.95)
+    opening: ranges.Range = ranges.span(0.05, 0.4, 0.01, 0.95)
     """Instant at which the gate opens, as shares of the time from when the hand could be at the
     target, if there were no gate, until the horizon."""
-    bolts: float = number(0.6)
+    bolts: float = ranges.number(0.6)
     """Share of gates that are bolts; the others are runners."""
-    before: Range = span(0.15, 0.5, most=1.5)
+    before: ranges.Range = ranges.span(0.15, 0.5, most=1.5)
     """Angle at the shoulder from the limb to the gate [rad]."""
-    behind: Range = span(0.3, 0.8, most=1.2)
+    behind: ranges.Range = ranges.span(0.3, 0.8, most=1.2)
     """Angle from the gate to the limb that reaches the target [rad]."""
-    back: Range = span(0.4, 1.2, most=2.0)
+    back: ranges.Range = ranges.span(0.4, 1.2, most=2.0)
     """Angle from the upper arm to the resting body on its other side [rad]."""
-    bend: Range = span(0.6, 2.2, 0.1, 3.0)
+    bend: ranges.Range = ranges.span(0.6, 2.2, 0.1, 3.0)
     """Angle of the elbow at the target, 0 being a straight arm [rad]."""
-    near: Range = span(0.15, 0.45, 0.05, 0.9)
+    near: ranges.Range = ranges.span(0.15, 0.45, 0.05, 0.9)
     """Distance of bolt, runner and resting body from the shoulder at first [upper arms]."""
-    bolt: Range = span(0.4, 0.8, 0.2)
+    bolt: ranges.Range = ranges.span(0.4, 0.8, 0.2)
     """Half the length of bolts [forearms]."""
-    runner: Range = span(0.03, 0.07, 1e-3)
+    runner: ranges.Range = ranges.span(0.03, 0.07, 1e-3)
     """Radius of runners and of the resting body [forearms]."""
 
     def pieces(self, rng: np.random.Generator, arm: Arm, horizon: float) -> tuple[Piece, ...]:
@@ -89,24 +79,24 @@ class Gate(PieceFamily):
             if way <= LONGEST * horizon:
                 break
         target = Piece("target", "target", self.sizes.ball_to_catch(rng), lock.meet)
-        opens = way + pick(rng, self.opening) * max(horizon - way, 0.1 * horizon)
+        opens = way + ranges.pick(rng, self.opening) * max(horizon - way, 0.1 * horizon)
         bolted = rng.random() < self.bolts or lock.behind > STEEPEST
         gate = (self._bolt if bolted else self._runner)(rng, arm, lock, opens)
-        side = lock.arm - lock.ahead * pick(rng, self.back)
-        place = polar(pick(rng, self.near) * arm.upper_arm, side)
-        post = Piece("obstacle", "post", (pick(rng, self.runner),), place)
+        side = lock.arm - lock.ahead * ranges.pick(rng, self.back)
+        place = polar(ranges.pick(rng, self.near) * arm.upper_arm, side)
+        post = Piece("obstacle", "post", (ranges.pick(rng, self.runner),), place)
         event = Event(target, lock.meet, opens, horizon, lock.ahead)
-        others = pick_count(rng, self.obstacles) - 2
+        others = ranges.pick_count(rng, self.obstacles) - 2
         return target, gate, post, *self.fitting(rng, arm, event, others)
 
     def _lock(self, rng: np.random.Generator, arm: Arm) -> Lock:
         """A gate beside the limb and a target behind it."""
         first = math.atan2(*reversed(elbow_at(arm, arm.hand)))
-        ahead = pick_sign(rng)
+        ahead = ranges.pick_sign(rng)
         forearm = 1.0 if arm.elbow == "right" else -1.0  # to which side of the upper arm
         spread = math.remainder(math.atan2(arm.hand[1], arm.hand[0]) - first, math.tau)
-        gate = first + ahead * (max(ahead * spread, 0.0) + pick(rng, self.before))
-        bend, behind = pick(rng, self.bend), pick(rng, self.behind)
+        gate = first + ahead * (max(ahead * spread, 0.0) + ranges.pick(rng, self.before))
+        bend, behind = ranges.pick(rng, self.bend), ranges.pick(rng, self.behind)
         if forearm != ahead:  # the forearm points back to the gate
             behind += math.atan2(math.sin(bend), arm.upper_arm + math.cos(bend))
         meet = _hand_of(arm, gate + ahead * behind, forearm * bend)
@@ -114,14 +104,14 @@ class Gate(PieceFamily):
 
     def obstacle(self, rng: np.random.Generator, arm: Arm, event: Event, k: int) -> Piece:
         """A body at rest that the arm can dodge."""
-        size, angle = self.sizes.any(rng), pick_angle(rng)
+        size, angle = self.sizes.any(rng), ranges.pick_angle(rng)
         return Piece("obstacle", f"obstacle {k + 1}", size, anywhere(rng, arm, 0.0), angle=angle)
 
     def _bolt(self, rng: np.random.Generator, arm: Arm, lock: Lock, opens: float) -> Piece:
         """A bar along the gate's direction; its inner end passes the elbow when it opens."""
-        half, inner = pick(rng, self.bolt), pick(rng, self.near) * arm.upper_arm
+        half, inner = ranges.pick(rng, self.bolt), ranges.pick(rng, self.near) * arm.upper_arm
         pull = 2.0 * (arm.upper_arm - inner) / opens**2
-        size = (half, pick(rng, self.sizes.half_width))
+        size = (half, ranges.pick(rng, self.sizes.half_width))
         return Piece(
             "obstacle", "bolt", size, polar(inner, lock.gate),
             acceleration=polar(pull, lock.gate), angle=lock.gate, offset=half,
@@ -130,10 +120,10 @@ class Gate(PieceFamily):
     def _runner(self, rng: np.random.Generator, arm: Arm, lock: Lock, opens: float) -> Piece:
         """A ball that runs at right angles to the gate until it has passed the target's arm."""
         # It has to get there before it is farther from the shoulder than the elbow.
-        near = min(pick(rng, self.near), 0.9 * math.cos(lock.behind)) * arm.upper_arm
+        near = min(ranges.pick(rng, self.near), 0.9 * math.cos(lock.behind)) * arm.upper_arm
         pull = 2.0 * near * math.tan(lock.behind) / opens**2
         return Piece(
-            "obstacle", "runner", (pick(rng, self.runner),), polar(near, lock.gate),
+            "obstacle", "runner", (ranges.pick(rng, self.runner),), polar(near, lock.gate),
             acceleration=polar(pull, lock.gate + lock.ahead * math.pi / 2),
         )  # fmt: skip
 
@@ -154,7 +144,7 @@ class GateSolid(InSpace, Gate):
     name = "gate-solid"
     summary = "a gate of solids that slides away, runs ahead or is pulled out of the plane"
 
-    pulled: float = number(0.5)
+    pulled: float = ranges.number(0.5)
     """Share of bolts that leave along the plane's normal."""
 
     def _bolt(self, rng: np.random.Generator, arm: Arm, lock: Lock, opens: float) -> Piece:

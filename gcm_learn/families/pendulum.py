@@ -9,20 +9,10 @@ from typing import NamedTuple
 import numpy as np
 
 from gcm_learn.arms import Arm
+from gcm_learn.families import ranges
 from gcm_learn.families.layout import Event
 from gcm_learn.families.piece_family import EventFamily, InSpace
 from gcm_learn.families.pieces import Piece, Vector, in_world
-from gcm_learn.families.ranges import (
-    Counts,
-    Range,
-    counts,
-    number,
-    pick,
-    pick_angle,
-    pick_count,
-    pick_sign,
-    span,
-)
 from gcm_learn.scene import integrate_swing
 from gcm_learn.situation import Body, Capsule, Pendulum, Situation, Sphere
 
@@ -49,38 +39,38 @@ class PendulumFamily(InSpace, EventFamily):
     name = "pendulum"
     summary = "a ball on a cord that swings through the arm's plane, with others in the way"
 
-    obstacles: Counts = counts(1, 4, 1)
+    obstacles: ranges.Counts = ranges.counts(1, 4, 1)
     """Number of obstacles, the target's cord included."""
-    length: Range = span(0.8, 2.5, 0.1)
+    length: ranges.Range = ranges.span(0.8, 2.5, 0.1)
     """From pivot to ball [forearms]."""
-    gravity: Range = span(0.3, 1.0, 0.01)
+    gravity: ranges.Range = ranges.span(0.3, 1.0, 0.01)
     """Acceleration of all bodies of a scene [squared hand speeds per forearm]."""
-    amplitude: Range = span(0.3, 1.0, 0.01, 1.5)
+    amplitude: ranges.Range = ranges.span(0.3, 1.0, 0.01, 1.5)
     """Largest angle of the swing [rad]."""
-    phase: Range = span(-0.8, 0.8, -0.99, 0.99)
+    phase: ranges.Range = ranges.span(-0.8, 0.8, -0.99, 0.99)
     """Angle at which it meets the plane [amplitudes]."""
-    heading: Range = span(0.2, 1.57, 0.0, 1.58)
+    heading: ranges.Range = ranges.span(0.2, 1.57, 0.0, 1.58)
     """Angle between the swing's plane and the arm's [rad]."""
-    wait: Range = span(1.0, 1.8, 1.0)
+    wait: ranges.Range = ranges.span(1.0, 1.8, 1.0)
     """Time of the meeting, in times that the hand needs for the way there."""
-    cord: Range = span(0.005, 0.02, 1e-3)
+    cord: ranges.Range = ranges.span(0.005, 0.02, 1e-3)
     """Radius of cords [forearms]."""
-    swinging: float = number(0.6)
+    swinging: float = ranges.number(0.6)
     """Share of pendulums among the other obstacles, as far as there is space for two bodies each;
     the rest of them are bodies at rest."""
 
     def sketch(self, rng: np.random.Generator, name: str) -> Situation:
         """Draw once, the limb free or not."""
         arm, horizon = self.arm.draw(rng)
-        event, gravity = self.event(rng, arm, horizon), pick(rng, self.gravity)
+        event, gravity = self.event(rng, arm, horizon), ranges.pick(rng, self.gravity)
         gravity *= arm.max_hand_speed**2
         place, when, size = event.meet, event.when, event.target.size[0]
         bodies = [*self._pair(rng, Swing(place, when, gravity), size, "target", "")]
-        left = pick_count(rng, self.obstacles) - 1
+        left = ranges.pick_count(rng, self.obstacles) - 1
         while left > 0:
             if left >= 2 and rng.random() < self.swinging:
                 swing = Swing(*self.aim(rng, arm, event), gravity)
-                size, left = pick(rng, self.sizes.radius), left - 2
+                size, left = ranges.pick(rng, self.sizes.radius), left - 2
                 bodies += self._pair(rng, swing, size, "obstacle", f" {left}")
             else:
                 (post,) = self.fitting(rng, arm, event, 1)
@@ -95,7 +85,7 @@ class PendulumFamily(InSpace, EventFamily):
     def obstacle(self, rng: np.random.Generator, arm: Arm, event: Event, k: int) -> Piece:
         """A body at rest."""
         place, _ = self.aim(rng, arm, event)
-        return Piece("obstacle", "post", self.sizes.any(rng), place, angle=pick_angle(rng))
+        return Piece("obstacle", "post", self.sizes.any(rng), place, angle=ranges.pick_angle(rng))
 
     def _pair(
         self, rng: np.random.Generator, swing: Swing, radius: float, role: str, number: str
@@ -103,7 +93,7 @@ class PendulumFamily(InSpace, EventFamily):
         """A ball and its cord."""
         motion = self._motion(rng, swing)
         length = motion.length
-        cord = Capsule(pick(rng, self.cord), 0.5 * length)
+        cord = Capsule(ranges.pick(rng, self.cord), 0.5 * length)
         hung = Pendulum(
             motion.pivot, motion.axis, motion.down, length, motion.gravity, motion.angle,
             motion.rate, 0.0, 0.5 * length,
@@ -115,10 +105,12 @@ class PendulumFamily(InSpace, EventFamily):
 
     def _motion(self, rng: np.random.Generator, swing: Swing) -> Pendulum:
         """The swing back at t = 0, from its energy and its angle when it meets the plane."""
-        length, amplitude = pick(rng, self.length), pick(rng, self.amplitude)
-        heading = pick_sign(rng) * pick(rng, self.heading)
-        angle, stiffness = pick(rng, self.phase) * amplitude, swing.gravity / length
-        rate = pick_sign(rng) * math.sqrt(2.0 * stiffness * (math.cos(angle) - math.cos(amplitude)))
+        length, amplitude = ranges.pick(rng, self.length), ranges.pick(rng, self.amplitude)
+        heading = ranges.pick_sign(rng) * ranges.pick(rng, self.heading)
+        angle, stiffness = ranges.pick(rng, self.phase) * amplitude, swing.gravity / length
+        rate = ranges.pick_sign(rng) * math.sqrt(
+            2.0 * stiffness * (math.cos(angle) - math.cos(amplitude))
+        )
         along = in_world(math.cos(heading), 0.0, math.sin(heading))
         place = in_world(*swing.place, 0.0)
         return swing_through(place, along, swing.when, swing.gravity, length, (angle, rate))

@@ -9,17 +9,8 @@ import numpy as np
 
 from gcm_learn.arms import Arm
 from gcm_learn.errors import SituationError
+from gcm_learn.families import ranges
 from gcm_learn.families.family import TINY, ArmRanges, PlanarFamily
-from gcm_learn.families.ranges import (
-    Counts,
-    Range,
-    counts,
-    number,
-    pick,
-    pick_angle,
-    pick_count,
-    span,
-)
 from gcm_learn.situation import Body, Disc, PlanarQuadratic, Polygon, Shape, Situation
 
 SPEED = 3.3  # largest hand speed [forearm lengths / s]: kappa is about 1/400 s on 80 cells
@@ -40,34 +31,36 @@ class RandomPlanar(PlanarFamily):
     summary = "discs, bars and polygons anywhere in the plane, most of them moving"
 
     arm: ArmRanges = field(default_factory=pilot_arm)
-    obstacles: Counts = counts(0, 4)
+    obstacles: ranges.Counts = ranges.counts(0, 4)
     """Number of obstacles."""
-    view: float = number(2.0, 0.1, 100.0)
+    view: float = ranges.number(2.0, 0.1, 100.0)
     """Bodies start in a square of this half width about the shoulder [forearms]."""
-    still: float = number(0.3)
+    still: float = ranges.number(0.3)
     """Share of bodies that rest."""
-    speed: Range = span(0.0, 1.2)
+    speed: ranges.Range = ranges.span(0.0, 1.2)
     """Of the others [hand speeds]."""
-    fall: Range = span(0.0, 6.0 / SPEED**2)
+    fall: ranges.Range = ranges.span(0.0, 6.0 / SPEED**2)
     """Downward acceleration of half of the others [squared hand speeds per forearm]."""
-    spin: Range = span(-8.0 / SPEED, 8.0 / SPEED, -100.0)
+    spin: ranges.Range = ranges.span(-8.0 / SPEED, 8.0 / SPEED, -100.0)
     """Of the others [hand speeds per forearm]."""
-    target: Range = span(0.04, 0.12, TINY)
+    target: ranges.Range = ranges.span(0.04, 0.12, TINY)
     """Radius of the target [forearms]."""
-    radius: Range = span(0.05, 0.25, TINY)
+    radius: ranges.Range = ranges.span(0.05, 0.25, TINY)
     """Of discs [forearms]."""
-    half_length: Range = span(0.1, 0.5, TINY)
+    half_length: ranges.Range = ranges.span(0.1, 0.5, TINY)
     """Of bars [forearms]."""
-    half_width: Range = span(0.02, 0.1, TINY)
+    half_width: ranges.Range = ranges.span(0.02, 0.1, TINY)
     """Of bars [forearms]."""
-    corners: Range = span(0.08, 0.3, TINY)
+    corners: ranges.Range = ranges.span(0.08, 0.3, TINY)
     """Distance of a polygon's three to seven corners from its origin [forearms]."""
 
     def sketch(self, rng: np.random.Generator, name: str) -> Situation:
         """Draw once, the limb free or not."""
-        count = pick_count(rng, self.obstacles)
+        count = ranges.pick_count(rng, self.obstacles)
         arm, horizon = self.arm.draw(rng)
-        bodies = [Body("target", "target", Disc(pick(rng, self.target)), self._motion(rng, arm))]
+        bodies = [
+            Body("target", "target", Disc(ranges.pick(rng, self.target)), self._motion(rng, arm))
+        ]
         for k in range(1, count + 1):
             shape = self._shape(rng)
             bodies.append(Body("obstacle", f"obstacle {k}", shape, self._motion(rng, arm)))
@@ -76,27 +69,27 @@ class RandomPlanar(PlanarFamily):
     def _motion(self, rng: np.random.Generator, arm: Arm) -> PlanarQuadratic:
         """Start anywhere in the drawn area; half of the bodies that move accelerate."""
         hand, ends = arm.max_hand_speed, (-self.view, self.view)
-        position = (pick(rng, ends), pick(rng, ends))
+        position = (ranges.pick(rng, ends), ranges.pick(rng, ends))
         if rng.random() < self.still:
             return PlanarQuadratic(position, (0.0, 0.0), (0.0, 0.0), math.pi * rng.random(), 0.0)
-        heading, speed = pick_angle(rng), pick(rng, self.speed) * hand
+        heading, speed = ranges.pick_angle(rng), ranges.pick(rng, self.speed) * hand
         velocity = (speed * math.cos(heading), speed * math.sin(heading))
         falls = rng.random() < 0.5
-        acceleration = (0.0, -pick(rng, self.fall) * hand**2) if falls else (0.0, 0.0)
-        spin = pick(rng, self.spin) * hand
+        acceleration = (0.0, -ranges.pick(rng, self.fall) * hand**2) if falls else (0.0, 0.0)
+        spin = ranges.pick(rng, self.spin) * hand
         return PlanarQuadratic(position, velocity, acceleration, math.pi * rng.random(), spin)
 
     def _shape(self, rng: np.random.Generator) -> Shape:
         """A disc, a bar or an irregular polygon."""
         kind = rng.integers(3)
         if kind == 0:
-            return Disc(pick(rng, self.radius))
+            return Disc(ranges.pick(rng, self.radius))
         if kind == 1:
-            length, width = pick(rng, self.half_length), pick(rng, self.half_width)
+            length, width = ranges.pick(rng, self.half_length), ranges.pick(rng, self.half_width)
             return Polygon(((-length, -width), (length, -width), (length, width), (-length, width)))
         for _ in range(ATTEMPTS):
-            angles = sorted(pick_angle(rng) for _ in range(rng.integers(3, 8)))
-            radii = [pick(rng, self.corners) for _ in angles]
+            angles = sorted(ranges.pick_angle(rng) for _ in range(rng.integers(3, 8)))
+            radii = [ranges.pick(rng, self.corners) for _ in angles]
             pairs = zip(radii, angles, strict=True)
             try:
                 return Polygon(tuple((r * math.cos(a), r * math.sin(a)) for r, a in pairs))

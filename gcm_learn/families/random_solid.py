@@ -6,23 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from gcm_learn import situation
 from gcm_learn.arms import Arm, rotation_of
 from gcm_learn.families.family import TINY, PlanarFamily
 from gcm_learn.families.layout import polar
 from gcm_learn.families.ranges import Counts, Range, number, pick, pick_angle, pick_count, span
-from gcm_learn.situation import (
-    Body,
-    Box,
-    Capsule,
-    Cylinder,
-    Pendulum,
-    Plane,
-    Situation,
-    SolidMotion,
-    SolidQuadratic,
-    SolidShape,
-    Sphere,
-)
 
 Vector3 = tuple[float, float, float]
 
@@ -56,10 +44,10 @@ class RandomSolid(PlanarFamily):
     gravity: Range = span(0.0, 3.6)
     """Of pendulums [squared hand speeds per forearm]."""
 
-    def sketch(self, rng: np.random.Generator, name: str) -> Situation:
+    def sketch(self, rng: np.random.Generator, name: str) -> situation.Situation:
         """Draw once, the limb free or not."""
         frame, centre = random_rotation(rng), rng.uniform(-1.0, 1.0, 3)
-        plane = Plane(_triple(centre), _triple(frame[0]), _triple(frame[1]))
+        plane = situation.Plane(_triple(centre), _triple(frame[0]), _triple(frame[1]))
         arm, horizon = self.arm.draw(rng)
         sizes = [("target", self.target)]
         for k in range(pick_count(rng, self.obstacles)):
@@ -68,8 +56,8 @@ class RandomSolid(PlanarFamily):
         for title, ends in sizes:
             x, y = polar(pick(rng, self.arm.radii(arm.upper_arm)), pick_angle(rng))
             motion = self._motion(rng, centre + (x, y, 0.0) @ frame, frame, arm, horizon)
-            bodies.append(Body(title.split()[0], title, random_shape(rng, ends), motion))
-        return Situation(name, horizon, arm, tuple(bodies), plane)
+            bodies.append(situation.Body(title.split()[0], title, random_shape(rng, ends), motion))
+        return situation.Situation(name, horizon, arm, tuple(bodies), plane)
 
     def _motion(
         self,
@@ -78,7 +66,7 @@ class RandomSolid(PlanarFamily):
         frame: np.ndarray,
         arm: Arm,
         horizon: float,
-    ) -> SolidMotion:
+    ) -> situation.SolidMotion:
         """Be at a place of the plane at some moment of the horizon."""
         hand = arm.max_hand_speed
         if rng.random() < self.swinging:
@@ -88,7 +76,7 @@ class RandomSolid(PlanarFamily):
         velocity = hand * np.array(own) @ frame
         pull = self._three(rng, self.acceleration, hand**2 if rng.random() < 0.5 else 0.0)
         turn = rng.normal(size=4)
-        return SolidQuadratic(
+        return situation.SolidQuadratic(
             position=_triple(meeting - velocity * when - 0.5 * pull * when**2),
             velocity=_triple(velocity),
             acceleration=_triple(pull),
@@ -96,10 +84,12 @@ class RandomSolid(PlanarFamily):
             spin=_triple(self._three(rng, self.spin, hand if rng.random() < 0.7 else 0.0)),
         )
 
-    def _swing(self, rng: np.random.Generator, meeting: np.ndarray, hand: float) -> Pendulum:
+    def _swing(
+        self, rng: np.random.Generator, meeting: np.ndarray, hand: float
+    ) -> situation.Pendulum:
         """A pendulum that passes a place at angle 0."""
         frame, length = random_rotation(rng), pick(rng, self.length)
-        return Pendulum(
+        return situation.Pendulum(
             pivot=_triple(meeting - length * frame[1]),
             axis=_triple(frame[0]),
             down=_triple(frame[1]),
@@ -119,7 +109,7 @@ class RandomSolid(PlanarFamily):
 
 def random_solid(
     rng: np.random.Generator, obstacles: Counts = (1, 4), name: str = "random solid"
-) -> Situation:
+) -> situation.Situation:
     """Draw a 3D situation once; the limb may touch an obstacle at t = 0.
 
     Parameters
@@ -143,10 +133,15 @@ def random_rotation(rng: np.random.Generator) -> np.ndarray:
     return rotation_of(turn.tolist())
 
 
-def random_shape(rng: np.random.Generator, size: Range) -> SolidShape:
+def random_shape(rng: np.random.Generator, size: Range) -> situation.SolidShape:
     """A solid of any kind, its sizes from a range [forearms]."""
     a, b, c = (pick(rng, size) for _ in range(3))
-    return (Sphere(a), Box((a, b, c)), Capsule(0.5 * a, b), Cylinder(a, b))[int(rng.integers(4))]
+    return (
+        situation.Sphere(a),
+        situation.Box((a, b, c)),
+        situation.Capsule(0.5 * a, b),
+        situation.Cylinder(a, b),
+    )[int(rng.integers(4))]
 
 
 def _triple(vector: np.ndarray) -> Vector3:

@@ -11,31 +11,14 @@ from typing import Any, NamedTuple, TypeVar
 from gcm_learn import seeding
 from gcm_learn.checks import show
 from gcm_learn.errors import FamilyError, FileFormatError, UnknownNameError, not_known
+from gcm_learn.families import clutter, flights
 from gcm_learn.families.chain.belts import ConveyorChain, TurntableChain
 from gcm_learn.families.chain.boxes import DrawerChain, ShelfChain
 from gcm_learn.families.chain.company import HandoverChain, OtherArmChain
 from gcm_learn.families.chain.flights import FallingChain, SequenceChain, SwarmChain, ThrowChain
 from gcm_learn.families.chain.pendulum import PendulumChain
 from gcm_learn.families.chain.walls import GateChain, WindowChain
-from gcm_learn.families.clutter import (
-    BehindMover,
-    BehindMoverSolid,
-    CrossingSwarm,
-    CrossingSwarmSolid,
-    MovingPoint,
-    MovingPointSolid,
-    StaticClutter,
-    StaticClutterSolid,
-)
 from gcm_learn.families.family import Family
-from gcm_learn.families.flights import (
-    Falling,
-    FallingSolid,
-    LateTarget,
-    LateTargetSolid,
-    Spinning,
-    SpinningSolid,
-)
 from gcm_learn.families.gate import Gate, GateSolid
 from gcm_learn.families.pendulum import PendulumFamily
 from gcm_learn.families.random_planar import RandomPlanar
@@ -140,10 +123,11 @@ _Record = TypeVar("_Record", bound=Ranges)
 _FAMILIES: dict[str, type[Family]] = {
     family.name: family
     for family in (
-        StaticClutter, StaticClutterSolid, MovingPoint, MovingPointSolid, CrossingSwarm,
-        CrossingSwarmSolid, Falling, FallingSolid, Spinning, SpinningSolid, PendulumFamily, Gate,
-        GateSolid, BehindMover, BehindMoverSolid, LateTarget, LateTargetSolid, RandomPlanar,
-        RandomSolid,
+        clutter.StaticClutter, clutter.StaticClutterSolid, clutter.MovingPoint,
+        clutter.MovingPointSolid, clutter.CrossingSwarm, clutter.CrossingSwarmSolid,
+        flights.Falling, flights.FallingSolid, flights.Spinning, flights.SpinningSolid,
+        PendulumFamily, Gate, GateSolid, clutter.BehindMover, clutter.BehindMoverSolid,
+        flights.LateTarget, flights.LateTargetSolid, RandomPlanar, RandomSolid,
         StaticClutterSpace, CrossingSwarmSpace, BehindPostSpace, WindowSpace, DoorSpace, CrateSpace,
         TraySpace, OverShelfSpace, FallingSpace, LateTargetSpace, PendulumSpace, BenchSpace,
         SequenceSpace,

@@ -4,28 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from gcm_learn.arms import limbs
 from gcm_learn.arms.curves import on_curve
-from gcm_learn.arms.limbs import (
-    axis_bound,
-    axis_of,
-    dof,
-    hand_bound,
-    hand_of,
-    place,
-    reach_of,
-)
 from gcm_learn.collision.distance import point_distance
 from gcm_learn.compiled import njit
-from gcm_learn.scene.bodies import (
-    APPROACH,
-    HAND,
-    PART,
-    TOP_SPEED,
-    WITHIN,
-    pose_at,
-    top_spin,
-    turn_at,
-)
+from gcm_learn.scene import bodies
 
 ANGLE = 3e-7  # by which an approach may miss its angle; the contract grants 1e-6 [rad]
 _CLOSE = 1e-5  # share of the horizon too short to differ from now
@@ -40,25 +23,23 @@ def target_room(scene, b, x, y, z, t, poses):
     poses : (bodies, 12) ndarray
         Row b is filled with the body's pose.
     """
-    pose_at(scene.bodies, b, t, poses)
+    bodies.pose_at(scene.bodies, b, t, poses)
     return point_distance(scene.bodies, poses, b, x, y, z)
 
 
 @njit(_nrt=False, forceinline=True)
 def has_approach(scene, b):
     """Return whether a target has an approach."""
-    row = scene.bodies.rows
-    return (
-        row[b, APPROACH] != 0.0 or row[b, APPROACH + 1] != 0.0 or row[b, APPROACH + 2] != 0.0
-    )  # fmt: skip
+    row, k = scene.bodies.rows, bodies.APPROACH
+    return row[b, k] != 0.0 or row[b, k + 1] != 0.0 or row[b, k + 2] != 0.0
 
 
 @njit(_nrt=False)
 def approach_axis(scene, b, t, poses):
     """Direction from which target b is caught at t [s]; row b of `poses` holds its pose."""
     row = scene.bodies.rows
-    turn_at(scene.bodies, b, t, poses)
-    x, y, z = row[b, APPROACH], row[b, APPROACH + 1], row[b, APPROACH + 2]
+    bodies.turn_at(scene.bodies, b, t, poses)
+    x, y, z = row[b, bodies.APPROACH], row[b, bodies.APPROACH + 1], row[b, bodies.APPROACH + 2]
     return (
         poses[b, 3] * x + poses[b, 4] * y + poses[b, 5] * z,
         poses[b, 6] * x + poses[b, 7] * y + poses[b, 8] * z,
@@ -92,23 +73,23 @@ def approach_excess(scene, where, b, t, poses):
     """
     if not has_approach(scene, b):
         return -1.0
-    angle = angle_between(approach_axis(scene, b, t, poses), axis_of(scene.limb, where))
-    return angle - scene.bodies.rows[b, WITHIN]
+    angle = angle_between(approach_axis(scene, b, t, poses), limbs.axis_of(scene.limb, where))
+    return angle - scene.bodies.rows[b, bodies.WITHIN]
 
 
 @njit(_nrt=False)
 def fastest_hand(scene):
     """Bound of the hand's speed [lengths/s]: its own limit, or what the joints allow."""
-    return min(hand_bound(scene.limb, scene.limits.joint_speed), scene.limits.speed)
+    return min(limbs.hand_bound(scene.limb, scene.limits.joint_speed), scene.limits.speed)
 
 
 @njit(_nrt=False)
 def met_at(scene, q, t, catch, poses):
     """First of the targets within `catch` of the hand at joints q (n,) and time t [s]; or -1."""
-    where = place(scene.limb, q)
-    x, y, z = hand_of(scene.limb, where)
+    where = limbs.place(scene.limb, q)
+    x, y, z = limbs.hand_of(scene.limb, where)
     for b in range(scene.bodies.rows.shape[0]):
-        if scene.bodies.rows[b, PART] == HAND:
+        if scene.bodies.rows[b, bodies.PART] == bodies.HAND:
             if target_room(scene, b, x, y, z, t, poses) <= catch:
                 if approach_excess(scene, where, b, t, poses) <= ANGLE:
                     return b
@@ -124,7 +105,7 @@ def turn_wait(scene, where, b, t, rate, poses):
     excess = approach_excess(scene, where, b, t, poses)
     if excess <= ANGLE:
         return 0.0
-    fast = axis_bound(scene.limb, rate) + top_spin(scene.bodies, b)
+    fast = limbs.axis_bound(scene.limb, rate) + bodies.top_spin(scene.bodies, b)
     return excess / fast if fast > 0.0 else 1e300
 
 
@@ -142,25 +123,25 @@ def first_meeting(scene, curve, since, until, catch, shortest, poses):
     body : int
     """
     limb, span, t = scene.limb, until - since, since
-    rate = np.zeros(dof(limb))
-    for j in range(dof(limb)):
+    rate = np.zeros(limbs.dof(limb))
+    for j in range(limbs.dof(limb)):
         most = abs(curve[j, 1]) + 2.0 * abs(curve[j, 2]) + 3.0 * abs(curve[j, 3])
         rate[j] = most / span if span > 0.0 else 0.0
-    speed, joints = hand_bound(limb, rate), np.zeros(dof(limb))
+    speed, joints = limbs.hand_bound(limb, rate), np.zeros(limbs.dof(limb))
     while True:
         s = (t - since) / span if span > 0.0 else 1.0
         on_curve(curve, s, joints)
-        where = place(limb, joints)
-        x, y, z = hand_of(limb, where)
+        where = limbs.place(limb, joints)
+        x, y, z = limbs.hand_of(limb, where)
         step = 1e300
         for b in range(scene.bodies.rows.shape[0]):
-            if scene.bodies.rows[b, PART] == HAND:
+            if scene.bodies.rows[b, bodies.PART] == bodies.HAND:
                 room = target_room(scene, b, x, y, z, t, poses) - catch
                 wait = turn_wait(scene, where, b, t, rate, poses)
                 if room <= 0.0 and wait <= 0.0:
                     return t, b
                 if room > 0.0:
-                    fast = speed + scene.bodies.rows[b, TOP_SPEED]
+                    fast = speed + scene.bodies.rows[b, bodies.TOP_SPEED]
                     wait = max(wait, room / fast if fast > 0.0 else 1e300)
                 step = min(step, wait)
         if t >= until:
@@ -175,13 +156,13 @@ def may_be_met(scene, poses):
     A necessary condition by conservative advancement, so False is certain.
     """
     limb, end = scene.limb, scene.limits.horizon
-    far = reach_of(limb)
-    x, y, z = hand_of(limb, place(limb, limb.start))
+    far = limbs.reach_of(limb)
+    x, y, z = limbs.hand_of(limb, limbs.place(limb, limb.start))
     speed = fastest_hand(scene)
     for b in range(scene.bodies.rows.shape[0]):
-        if scene.bodies.rows[b, PART] != HAND:
+        if scene.bodies.rows[b, bodies.PART] != bodies.HAND:
             continue
-        t, top = 0.0, scene.bodies.rows[b, TOP_SPEED]
+        t, top = 0.0, scene.bodies.rows[b, bodies.TOP_SPEED]
         while t <= end:
             ring = target_room(scene, b, 0.0, 0.0, 0.0, t, poses) - scene.limits.grasp - far
             way = target_room(scene, b, x, y, z, t, poses) - scene.limits.grasp - speed * t

@@ -9,14 +9,7 @@ from typing import Any, ClassVar, Generic, TypeAlias, TypeVar
 from gcm_learn.charts import LARGEST_LATTICE
 from gcm_learn.maps import CognitiveMap, build_map, descend
 from gcm_learn.motion import Failure, Reason, Verdict
-from gcm_learn.planners.completion import (
-    Attempt,
-    Problem,
-    finish,
-    judged,
-    straight_plan,
-    until,
-)
+from gcm_learn.planners import completion
 from gcm_learn.planners.feedback import Exploration, Feedback
 from gcm_learn.planners.plan import GAIN, Deadline, Plan, deadline_of
 from gcm_learn.situation import Situation
@@ -24,7 +17,7 @@ from gcm_learn.wave import MarchingParams, WaveParams
 
 HALF_DIAGONAL = 0.71  # [cells]: slack with which no target is lost between the centres of cells
 Params = TypeVar("Params", WaveParams, MarchingParams)
-Explore: TypeAlias = Callable[[Problem, Params, Feedback], Exploration]
+Explore: TypeAlias = Callable[[completion.Problem, Params, Feedback], Exploration]
 
 
 @dataclass(frozen=True)
@@ -58,7 +51,7 @@ class FrontPlanner:
     """The maps to try, in order."""
     direct: bool = False
     """Try the straight line first, which is fastest where it holds."""
-    find: Callable[[Problem], Plan | None] | None = None
+    find: Callable[[completion.Problem], Plan | None] | None = None
     """A search without a map, whose answer is final; where it has none, maps are made."""
 
     anytime: ClassVar[bool] = True
@@ -81,16 +74,16 @@ class FrontPlanner:
             See `Anytime`.  Searches stop then; a map that was begun is made whole.
         """
         limit = deadline_of(deadline)
-        problem = Problem(until(situation, bound), self.name, deadline=limit)
+        problem = completion.Problem(completion.until(situation, bound), self.name, deadline=limit)
         problem.gain = GAIN * situation.horizon  # whatever the bound
         answer = problem.early_answer()
         if answer is None and self.direct:
-            straight = straight_plan(problem)
+            straight = completion.straight_plan(problem)
             answer = straight if straight.caught else None
         return self.search(problem) if answer is None else answer
 
     def search(
-        self, problem: Problem, keep: Callable[[CognitiveMap], object] | None = None
+        self, problem: completion.Problem, keep: Callable[[CognitiveMap], object] | None = None
     ) -> Plan:
         """Answer a problem that no straight line solves.
 
@@ -103,7 +96,9 @@ class FrontPlanner:
         answer = None if self.find is None else self.find(problem)
         return self._by_maps(problem, keep) if answer is None else answer
 
-    def _by_maps(self, problem: Problem, keep: Callable[[CognitiveMap], object] | None) -> Plan:
+    def _by_maps(
+        self, problem: completion.Problem, keep: Callable[[CognitiveMap], object] | None
+    ) -> Plan:
         """Try one map after the other."""
         first: CognitiveMap | None = None
         reason: Reason | None = None
@@ -131,12 +126,12 @@ class FrontPlanner:
 
 
 def _first_that_holds(
-    problem: Problem, found: Exploration
-) -> tuple[Plan | None, list[tuple[Attempt, Verdict]]]:
+    problem: completion.Problem, found: Exploration
+) -> tuple[Plan | None, list[tuple[completion.Attempt, Verdict]]]:
     """Return the plan of the first attempt that holds, if any, and the failures before it."""
-    failures: list[tuple[Attempt, Verdict]] = []
+    failures: list[tuple[completion.Attempt, Verdict]] = []
     for attempt in found.attempts:
-        plan, verdict = judged(problem, attempt, found.map)
+        plan, verdict = completion.judged(problem, attempt, found.map)
         if plan is not None:
             return plan, failures
         failures.append((attempt, verdict))
@@ -179,7 +174,7 @@ def finer(params: Params) -> Params:
 
 
 def first_arrival(
-    problem: Problem, params: WaveParams | MarchingParams, feedback: Feedback
+    problem: completion.Problem, params: WaveParams | MarchingParams, feedback: Feedback
 ) -> Exploration:
     """First-arrival map and the descent on it."""
     cognitive_map = build_map(
@@ -190,7 +185,7 @@ def first_arrival(
         widening=feedback.widening,
     )
     path = descend(cognitive_map)
-    attempt = None if path is None else finish(problem, *path)
+    attempt = None if path is None else completion.finish(problem, *path)
     if attempt is None or cognitive_map.interception is None:
         return Exploration(cognitive_map)
     return Exploration(cognitive_map, (attempt,), arrived=cognitive_map.interception.time)

@@ -8,15 +8,7 @@ from gcm_learn.arms import elbow_of
 from gcm_learn.charts import LARGEST_LATTICE, Lattice, hand_space
 from gcm_learn.collision import DEEPEST, NEVER, Sweep, postures_of
 from gcm_learn.motion import Failure, refine, straight_path
-from gcm_learn.planners.completion import (
-    Attempt,
-    Problem,
-    go_on,
-    hole_of,
-    judged,
-    path_through,
-    timed,
-)
+from gcm_learn.planners import completion
 from gcm_learn.planners.plan import Plan
 from gcm_learn.planners.sipp import search
 from gcm_learn.planners.sipp_labels import (
@@ -38,7 +30,7 @@ ANY = 1e9  # resolution of a clearance of which only the sign matters
 LABELS = 3  # for which there is room, for every cell
 
 
-def found(problem: Problem, n: int) -> Plan | None:
+def found(problem: completion.Problem, n: int) -> Plan | None:
     """Search for a plan: a verified catch, the failure to find any, or None if undecided.
 
     It is undecided for arms with limits of joints, which legs do not know.  Rests between two legs
@@ -58,7 +50,7 @@ def found(problem: Problem, n: int) -> Plan | None:
         cut = cut or problem.nodes >= MOST
         for caught in reversed(catches):
             attempt = _attempt(problem, ground, labels, caught)
-            plan = None if attempt is None else judged(problem, attempt)[0]
+            plan = None if attempt is None else completion.judged(problem, attempt)[0]
             if plan is not None:
                 return plan
         if catches:
@@ -68,7 +60,9 @@ def found(problem: Problem, n: int) -> Plan | None:
     return problem.answer(Failure.OUT_OF_WORK if cut else Failure.NO_INTERCEPTION)
 
 
-def searched(problem: Problem, n: int, most: int = MOST) -> tuple[Ground, Labels, list[Catch]]:
+def searched(
+    problem: completion.Problem, n: int, most: int = MOST
+) -> tuple[Ground, Labels, list[Catch]]:
     """Search over n cells a side until nothing is left, or until the deadline.
 
     Returns
@@ -93,7 +87,7 @@ def searched(problem: Problem, n: int, most: int = MOST) -> tuple[Ground, Labels
     return ground, labels, catches
 
 
-def ground_of(problem: Problem, lattice: Lattice) -> Ground:
+def ground_of(problem: completion.Problem, lattice: Lattice) -> Ground:
     """The lattice and the start as the search reads them."""
     scene, space = problem.scene, hand_space(lattice)
     elbow = elbow_of(scene.limb.x, scene.limb.y, scene.limb.rho, scene.limb.side)
@@ -108,7 +102,7 @@ def ground_of(problem: Problem, lattice: Lattice) -> Ground:
         n=lattice.n,
         inside=space.inside,
         spacing=lattice.spacing,
-        hole=hole_of(problem.situation.arm),
+        hole=completion.hole_of(problem.situation.arm),
         sweep=leg_room(bodies, touch),
         sweeps=np.empty(PIECES),
         budget=problem.budget,
@@ -118,20 +112,22 @@ def ground_of(problem: Problem, lattice: Lattice) -> Ground:
     )
 
 
-def _attempt(problem: Problem, ground: Ground, labels: Labels, caught: Catch) -> Attempt | None:
+def _attempt(
+    problem: completion.Problem, ground: Ground, labels: Labels, caught: Catch
+) -> completion.Attempt | None:
     """The movement that ends in a catch."""
     arm, chain = problem.situation.arm, [caught.label]
     while labels.via[chain[0]] >= 0:
         chain.insert(0, int(labels.via[chain[0]]))
     places = ground.postures.limb[labels.node[chain[1:]], :2]
-    hand, wanted = path_through(arm, places, labels.arrival[chain[1:]])
-    time, hand = timed(arm, wanted, hand)
+    hand, wanted = completion.path_through(arm, places, labels.arrival[chain[1:]])
+    time, hand = completion.timed(arm, wanted, hand)
     leave = max(caught.leave, float(time[-1]))
     if leave > time[-1]:
         time, hand = np.append(time, leave), np.vstack([hand, hand[-1:]])
     last = straight_path(hand[-1], np.array([caught.x, caught.y]))
     times, last = refine(arm, np.linspace(leave, max(caught.time, leave), len(last)), last)
-    return go_on(problem, time, hand, (times, last, caught.body))
+    return completion.go_on(problem, time, hand, (times, last, caught.body))
 
 
 def new_hunt(labels: int, bound: float) -> Hunt:

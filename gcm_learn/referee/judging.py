@@ -9,15 +9,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from gcm_learn.referee import form
 from gcm_learn.referee.contact import Nearest, nearest_obstacle, overlap
-from gcm_learn.referee.form import (
-    catch_complaints,
-    catches_of,
-    columns_of,
-    fields,
-    is_number,
-    times,
-)
 from gcm_learn.referee.joint_arms import Models
 from gcm_learn.referee.kinds import Arm, Columns, arm_of, checked, version_of
 from gcm_learn.referee.motions import Body, bodies_of
@@ -71,7 +64,7 @@ def examine(
 def _end(solution: Any, horizon: float) -> float:
     """Return the time until which the motion of bodies is needed."""
     given: Any = solution.get("catch_time") if isinstance(solution, Mapping) else None
-    return min(float(given), horizon) if is_number(given) else 0.0
+    return min(float(given), horizon) if form.is_number(given) else 0.0
 
 
 def _verdict(
@@ -81,17 +74,17 @@ def _verdict(
     arm: Arm,
     bodies: list[Body],
 ) -> Verdict:
-    complaints = fields(solution, situation.get("name", ""), version)
+    complaints = form.fields(solution, situation.get("name", ""), version)
     if complaints:
         return Verdict(complaints, None)
     if solution["status"] != "caught":
         return Verdict(_start(arm, bodies, solution["status"]), None)
-    columns, complaints = columns_of(solution["trajectory"], arm.columns)
-    catches, more = catches_of(solution)
+    columns, complaints = form.columns_of(solution["trajectory"], arm.columns)
+    catches, more = form.catches_of(solution)
     complaints += more
     if columns and not complaints:
-        complaints += times(columns["time"], version)
-        complaints += catch_complaints(situation, catches, columns["time"])
+        complaints += form.times(columns["time"], version)
+        complaints += form.catch_complaints(situation, catches, columns["time"])
     if complaints:
         return Verdict(complaints, None)
     complaints = arm.complaints(columns)
@@ -149,7 +142,7 @@ def _contacts(
 def _clearance(free: float | None, reported: Any, close: float) -> list[Complaint]:
     if free is None:
         return [] if reported is None else [Complaint("clearance", "is given without obstacles")]
-    if not is_number(reported):
+    if not form.is_number(reported):
         return [Complaint("clearance", "is not a finite number")]
     if abs(reported - free) <= close:
         return []

@@ -8,21 +8,13 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from gcm_learn.referee import tolerances
 from gcm_learn.referee.chain import ChainMotion, Geometry, tree_of
 from gcm_learn.referee.contact import Motion
 from gcm_learn.referee.curves import curve_of
 from gcm_learn.referee.motions import Body
 from gcm_learn.referee.rotations import Array
 from gcm_learn.referee.shapes import golden_minimum
-from gcm_learn.referee.tolerances import (
-    EDGE,
-    INTERPOLATION,
-    LEAP,
-    ROUNDING,
-    SIDE,
-    TOLERANCES,
-    Complaint,
-)
 
 INSTANTS = 33
 """Of a piece, ends included, and again around the highest rates."""
@@ -151,7 +143,7 @@ class PlanarArm:
     plane: Plane
     solid: bool
     """True if the bodies are solids, which the plane cuts."""
-    granted = TOLERANCES[1]
+    granted = tolerances.TOLERANCES[1]
     columns = {"hand": 2, "joints": 2}  # noqa: RUF012 -- a constant of the class
     ignored: frozenset[tuple[int, str]] = frozenset()
 
@@ -203,29 +195,31 @@ class PlanarArm:
         """Return the limb at t = 0."""
         return HandMotion(self, np.zeros(1), self.first[None])
 
-    def complaints(self, columns: Columns) -> list[Complaint]:
+    def complaints(self, columns: Columns) -> list[tolerances.Complaint]:
         """Return complaints about start, joints and speeds."""
         complaints = [*self._start(columns), *self._ring(columns), *self._joints(columns)]
         return complaints + self._speeds(columns)
 
-    def _start(self, columns: Columns) -> list[Complaint]:
+    def _start(self, columns: Columns) -> list[tolerances.Complaint]:
         if np.abs(columns["hand"][0] - self.first).max() <= self.granted.start:
             return []
-        return [Complaint("trajectory.hand", "does not start on arm.hand", 0.0)]
+        return [tolerances.Complaint("trajectory.hand", "does not start on arm.hand", 0.0)]
 
-    def _ring(self, columns: Columns) -> list[Complaint]:
+    def _ring(self, columns: Columns) -> list[tolerances.Complaint]:
         hand, slack = columns["hand"], self.granted.touch
         far = np.linalg.norm(hand, axis=1)
         near = far if len(hand) == 1 else _nearest_to_shoulder(hand)
         beyond = far > self.rho + 1.0 + slack
         inside = near < abs(self.rho - 1.0) - slack
         return [
-            Complaint("trajectory.hand", "is out of reach", float(columns["time"][wrong.argmax()]))
+            tolerances.Complaint(
+                "trajectory.hand", "is out of reach", float(columns["time"][wrong.argmax()])
+            )
             for wrong in (beyond, inside)
             if wrong.any()
         ]
 
-    def _joints(self, columns: Columns) -> list[Complaint]:
+    def _joints(self, columns: Columns) -> list[tolerances.Complaint]:
         """Return complaints about joints that do not fit the hand."""
         joints, time = columns["joints"], columns["time"]
         off = np.abs(self.forward(joints)[1] - columns["hand"]).max(axis=1)
@@ -233,17 +227,17 @@ class PlanarArm:
         turned = -self.side * np.sin(joints[:, 1])
         tests = (
             (off, self.granted.agreement, "do not lead to the hand"),
-            (leaps, LEAP, "jump"),
-            (turned, SIDE, "have the elbow on the other side"),
+            (leaps, tolerances.LEAP, "jump"),
+            (turned, tolerances.SIDE, "have the elbow on the other side"),
         )
         complaints = [
-            Complaint("trajectory.joints", words, float(time[values.argmax()]))
+            tolerances.Complaint("trajectory.joints", words, float(time[values.argmax()]))
             for values, most, words in tests
             if not values.max(initial=0.0) <= most
         ]
-        if not complaints and not self._astray(columns) <= INTERPOLATION:
+        if not complaints and not self._astray(columns) <= tolerances.INTERPOLATION:
             what = f"lead the hand {self._astray(columns):g} astray between samples"
-            complaints.append(Complaint("trajectory.joints", what))
+            complaints.append(tolerances.Complaint("trajectory.joints", what))
         return complaints
 
     def _astray(self, columns: Columns) -> float:
@@ -255,15 +249,17 @@ class PlanarArm:
         )
         return float(np.linalg.norm(self.forward(joints)[1] - hand, axis=1).max(initial=0.0))
 
-    def _speeds(self, columns: Columns) -> list[Complaint]:
+    def _speeds(self, columns: Columns) -> list[tolerances.Complaint]:
         time, hand, granted = columns["time"], columns["hand"], 1.0 + self.granted.limit
         span = np.diff(time)
         step = np.linalg.norm(np.diff(hand, axis=0), axis=1)
-        over = step - (self.hand_speed * granted * span + ROUNDING * (1.0 + time[1:]))
+        over = step - (self.hand_speed * granted * span + tolerances.ROUNDING * (1.0 + time[1:]))
         complaints = []
         if len(span) and not over.max() <= 0.0:
             what = f"is too fast, limit {self.hand_speed:g}"
-            complaints.append(Complaint("trajectory.hand", what, float(time[over.argmax()])))
+            complaints.append(
+                tolerances.Complaint("trajectory.hand", what, float(time[over.argmax()]))
+            )
         if self.joint_speed is None or not len(span):
             return complaints
         turned = np.abs(np.diff(columns["joints"], axis=0)) - 1e-12
@@ -272,7 +268,7 @@ class PlanarArm:
             for j in np.flatnonzero(~(beyond <= 0.0).all(axis=0)):
                 at = float(time[beyond[:, j].argmax()])
                 what = f"joint {j} moves too fast, limit {self.joint_speed[j]:g}"
-                complaints.append(Complaint("trajectory.joints", what, at))
+                complaints.append(tolerances.Complaint("trajectory.joints", what, at))
         return complaints
 
     def missed(self, columns: Columns, body: Body, time: float) -> list[str]:
@@ -282,7 +278,7 @@ class PlanarArm:
             # Granted in the plane: where it cuts a solid flatly, a depth says little of the way.
             reach = self.grasp + self.granted.grasp
             away = deepest(body, time, self.plane.origin, self.plane.axes, hand[0], reach)
-            caught = away <= EDGE
+            caught = away <= tolerances.EDGE
             return [] if caught else [f"misses {body.name}: no point of its cut is within grasp"]
         away = float(body.gaps(time, self.plane.lift(hand))[0]) - self.grasp
         caught = away <= self.granted.grasp

@@ -9,20 +9,9 @@ from typing import NamedTuple
 import numpy as np
 
 from gcm_learn.motion import Movement
+from gcm_learn.rendering import staging
 from gcm_learn.rendering.camera import Camera, Faces, Window, camera_from, render
 from gcm_learn.rendering.solids import arm_faces, arrow, frame_along, limb_along, placed, tube
-from gcm_learn.rendering.staging import (
-    APPROACH,
-    LONGEST,
-    JointSituation,
-    body_colour,
-    body_poses,
-    floor_of,
-    ground_of,
-    rgb,
-    staged,
-    time_colours,
-)
 from gcm_learn.situation import Body
 
 SMALLEST = 0.018  # of the reach: smaller targets are drawn so large
@@ -31,38 +20,42 @@ BEFORE = 0.012  # of the reach: from the point of an approach to the target
 
 
 def body_faces(
-    situation: JointSituation, t: float, alpha: float = 1.0, roles: Sequence[str] = ()
+    situation: staging.JointSituation, t: float, alpha: float = 1.0, roles: Sequence[str] = ()
 ) -> Iterator[Faces]:
     """Yield the bodies at time t [s], or those in some roles, with their approaches.
 
     The ground is not among them: the stage has a floor there.
     """
-    (centres, turns), ground = body_poses(situation, [t]), ground_of(situation)
+    (centres, turns), ground = staging.body_poses(situation, [t]), staging.ground_of(situation)
     for body, centre, turn in zip(situation.bodies, centres[0], turns[0], strict=True):
         if (roles and body.role not in roles) or (ground is not None and body is ground.body):
             continue
         yield solid_faces(situation, body, centre, turn, alpha)
         if body.approach is not None:
             corners = centre + approach_corners(situation, body) @ turn.T
-            yield Faces(corners, rgb(APPROACH), alpha)
+            yield Faces(corners, staging.rgb(staging.APPROACH), alpha)
 
 
 def solid_faces(
-    situation: JointSituation, body: Body, centre: np.ndarray, turn: np.ndarray, alpha: float = 1.0
+    situation: staging.JointSituation,
+    body: Body,
+    centre: np.ndarray,
+    turn: np.ndarray,
+    alpha: float = 1.0,
 ) -> Faces:
     """Return a body at its place (3,), turned by a rotation (3, 3)."""
-    colour, scale = rgb(body_colour(body)), drawn_scale(situation, body)
+    colour, scale = staging.rgb(staging.body_colour(body)), drawn_scale(situation, body)
     return placed(body.shape, centre, turn, colour, alpha, scale)  # type: ignore[arg-type]
 
 
-def drawn_scale(situation: JointSituation, body: Body) -> float:
+def drawn_scale(situation: staging.JointSituation, body: Body) -> float:
     """Return the factor by which a body is drawn larger than it is, so that it can be seen."""
     if body.role != "target":
         return 1.0
     return max(1.0, SMALLEST * situation.arm.reach / body.shape.bounding_radius)
 
 
-def approach_corners(situation: JointSituation, body: Body) -> np.ndarray:
+def approach_corners(situation: staging.JointSituation, body: Body) -> np.ndarray:
     """Return the arrow (n, 4, 3) along which a hand catches a target, in the target's frame."""
     assert body.approach is not None
     reach = situation.arm.reach
@@ -77,25 +70,25 @@ SAMPLES = 60  # points of a path
 
 
 def path_faces(
-    situation: JointSituation, trajectory: Movement, until: float | None = None
+    situation: staging.JointSituation, trajectory: Movement, until: float | None = None
 ) -> Iterator[Faces]:
     """Yield the paths of the hand and, dashed, of the targets, up to a time [s]."""
     end = trajectory.duration
     times = np.linspace(0.0, end if until is None else until, SAMPLES)
     radius = LINE * situation.arm.reach
     yield from tube_faces(trajectory.hand_at(times), times / max(end, 1e-9), radius)
-    base, ground = np.asarray(situation.arm.base.origin), ground_of(situation)
+    base, ground = np.asarray(situation.arm.base.origin), staging.ground_of(situation)
     for path in target_paths(situation, times):
         far = np.linalg.norm(path - base, axis=1).max() / situation.arm.reach
-        seen = far < LONGEST and (ground is None or path[:, 2].min() > ground.height)
+        seen = far < staging.LONGEST and (ground is None or path[:, 2].min() > ground.height)
         for faces in tube_faces(path, times / max(end, 1e-9), 0.8 * radius, dashed=True):
             yield faces._replace(kept=bool(seen))
 
 
-def target_paths(situation: JointSituation, times: np.ndarray) -> np.ndarray:
+def target_paths(situation: staging.JointSituation, times: np.ndarray) -> np.ndarray:
     """Return the places (m, k, 3) of the targets' centres at times (k,) [s], in the world."""
     targets = [body.role == "target" for body in situation.bodies]
-    return np.swapaxes(body_poses(situation, times)[0][:, targets], 0, 1)
+    return np.swapaxes(staging.body_poses(situation, times)[0][:, targets], 0, 1)
 
 
 def tube_faces(
@@ -104,7 +97,7 @@ def tube_faces(
     """Yield a path (k, 3) as a tube, coloured by shares (k,) of the time; nothing if short."""
     if np.ptp(path, axis=0).max() <= radius:
         return
-    shades = time_colours(0.5 * (shares[1:] + shares[:-1]))
+    shades = staging.time_colours(0.5 * (shares[1:] + shares[:-1]))
     shown = np.arange(len(shades)) % 3 != 2 if dashed else np.ones(len(shades), dtype=bool)
     parts = tube(path, radius).reshape(len(shades), 6, 4, 3)[shown]
     yield Faces(parts.reshape(-1, 4, 3), np.repeat(shades[shown], 6, axis=0)[:, None])
@@ -135,7 +128,7 @@ class TargetWay(NamedTuple):
 
 
 def target_way(
-    situation: JointSituation, times: np.ndarray, places: np.ndarray, hands: np.ndarray
+    situation: staging.JointSituation, times: np.ndarray, places: np.ndarray, hands: np.ndarray
 ) -> TargetWay:
     """Return the way of the target to which the hand comes nearest.
 
@@ -169,7 +162,7 @@ TRIED = 12  # instants of a movement that are sampled
 
 
 def view_of(
-    situation: JointSituation,
+    situation: staging.JointSituation,
     trajectory: Movement | None = None,
     *,
     elevation: float = ELEVATION,
@@ -238,13 +231,13 @@ class Spectator:
         With an arm that moves in its joints.
     """
 
-    def __init__(self, situation: JointSituation) -> None:
+    def __init__(self, situation: staging.JointSituation) -> None:
         arm = situation.arm
         self.situation = situation
         self.view = replace(view_of(situation), centre=np.asarray(arm.base.origin))
         self.window = Window(np.zeros(2), ROOM * arm.reach)
         things = [*body_faces(situation, 0.0), *arm_faces(arm, arm.joints)]
-        self.floor = floor_of(situation, things)
+        self.floor = staging.floor_of(situation, things)
 
     def picture(self, way: Movement, pixels: int) -> np.ndarray:
         """Return a picture (pixels, pixels, 3) uint8 of the end of a movement, with its paths."""
@@ -252,5 +245,5 @@ class Spectator:
         things = [*body_faces(situation, end), *arm_faces(situation.arm, way.joints[-1])]
         if end > 0.0:
             things += path_faces(situation, way)
-        image = staged(self.view, self.window, self.floor, things, pixels)
+        image = staging.staged(self.view, self.window, self.floor, things, pixels)
         return np.rint(255.0 * image[::-1]).astype(np.uint8)

@@ -9,15 +9,7 @@ from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
-from gcm_learn.arms import (
-    Arm,
-    Chain,
-    SpatialArm,
-    quaternion_of,
-    rotation_of,
-    rotations_of,
-    turned_by,
-)
+from gcm_learn import arms
 from gcm_learn.compiled import njit
 from gcm_learn.errors import ArmKindError, SituationError
 from gcm_learn.scene import bodies as k
@@ -141,7 +133,7 @@ def _place_solid(row: list[float], tables: Tables, motion: SolidQuadratic, frame
     row[k.VELOCITY : k.VELOCITY + 3] = frame.turned(motion.velocity)
     row[k.ACCELERATION : k.ACCELERATION + 3] = frame.turned(motion.acceleration)
     row[k.SPIN : k.SPIN + 3] = frame.turned(motion.spin)
-    rotation = rotation_of(motion.orientation)
+    rotation = arms.rotation_of(motion.orientation)
     turn = rotation + 0.0 if frame.turn is None else frame.turn @ rotation
     row[k.TURN : k.TURN + 9] = turn.ravel().tolist()
 
@@ -161,13 +153,13 @@ def _place_pieces(
 ) -> None:
     starts, position, velocity, acceleration, orientation, spin = motion.arrays
     row[k.SWING], row[k.PIECES] = len(tables), len(starts)
-    turn = rotations_of(orientation)
+    turn = arms.rotations_of(orientation)
     rows = np.zeros((len(starts), k.PIECE_COLUMNS))
     rows[:, k.START] = starts
     span = np.diff(starts)[:, None]
     ends = position[:-1] + velocity[:-1] * span + 0.5 * acceleration[:-1] * span * span
     rows[1:, k.JUMP] = np.linalg.norm(ends - position[1:], axis=1)
-    rows[1:, k.JUMP_TURN] = _angles_between(turned_by(spin[:-1] * span) @ turn[:-1], turn[1:])
+    rows[1:, k.JUMP_TURN] = _angles_between(arms.turned_by(spin[:-1] * span) @ turn[:-1], turn[1:])
     view = np.eye(3) if frame.turn is None else frame.turn
     rows[:, k.POSITION : k.POSITION + 3] = (position - frame.origin) @ view.T
     rows[:, k.VELOCITY : k.VELOCITY + 3] = velocity @ view.T
@@ -243,7 +235,7 @@ def _turned(motion: SolidQuadratic, t: float) -> tuple[float, float, float, floa
     x, y, z = spin / rate
     cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
     turn = np.eye(3) + math.sin(rate * t) * cross + (1 - math.cos(rate * t)) * cross @ cross
-    return quaternion_of(turn @ rotation_of(motion.orientation))
+    return arms.quaternion_of(turn @ arms.rotation_of(motion.orientation))
 
 
 LAWS: dict[type, Law] = {
@@ -255,7 +247,7 @@ LAWS: dict[type, Law] = {
 }
 
 
-AnyKind = TypeVar("AnyKind", Situation[Arm], Situation[SpatialArm], Situation[Chain])
+AnyKind = TypeVar("AnyKind", Situation[arms.Arm], Situation[arms.SpatialArm], Situation[arms.Chain])
 
 
 def later(
@@ -287,7 +279,7 @@ def later(
         Its bodies go on as they would have; its horizon is shorter by t.
     """
     arm: Any = situation.arm
-    if not isinstance(arm, Arm):
+    if not isinstance(arm, arms.Arm):
         if hand is not None:
             raise ArmKindError("hand: is of planar arms; others have joints")
         arm = _stands(arm, t, joints, rates)

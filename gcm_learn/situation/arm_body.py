@@ -12,14 +12,7 @@ import numpy as np
 from gcm_learn.arms import JOINTS, Chain, SpatialArm
 from gcm_learn.checks import non_negative, positive, put, quote, sequence, show, text, vector
 from gcm_learn.errors import SituationError
-from gcm_learn.situation.json_records import (
-    check_names,
-    made_from,
-    members_of,
-    object_from,
-    read_value,
-    records_from,
-)
+from gcm_learn.situation import json_records
 
 BONES = 2
 FITS = 0.01
@@ -276,7 +269,7 @@ def read_arm_body(path: str | Path) -> AnyArmBody:
     FileFormatError
         One line: ``nao.json:7: joints[2].torque: must be positive (got 0)``.
     """
-    return read_value(Path(path), str(path), arm_body_from_json)
+    return json_records.read_value(Path(path), str(path), arm_body_from_json)
 
 
 def arm_body_from_json(obj: object) -> AnyArmBody:
@@ -287,20 +280,20 @@ def arm_body_from_json(obj: object) -> AnyArmBody:
     SituationError
         With the path of the offending field, e.g. ``"bones[1].mass"``.
     """
-    members = object_from(obj, "")
+    members = json_records.object_from(obj, "")
     given = members.get("format")
     layout = _LAYOUTS.get(given) if isinstance(given, str) else None
     if layout is None:
         known = " or ".join(quote(name) for name in _LAYOUTS)
         raise SituationError("format", f"must be {known} (got {show(given)})")
-    check_names(members, "", layout.record, extra=("format",))
+    json_records.check_names(members, "", layout.record, extra=("format",))
     values: dict[str, Any] = {k: v for k, v in members.items() if k != "format"}
     for field, record in layout.parts.items():
-        values[field] = records_from(record, values[field], field)
-    made: AnyArmBody = made_from(layout.record, values, "")
+        values[field] = json_records.records_from(record, values[field], field)
+    made: AnyArmBody = json_records.made_from(layout.record, values, "")
     return made
 
 
 def arm_body_to_json(body: AnyArmBody) -> dict[str, Any]:
     """Return the JSON object of a body; `arm_body_from_json` gives back an equal one."""
-    return {"format": body.format, **members_of(body)}
+    return {"format": body.format, **json_records.members_of(body)}

@@ -10,20 +10,7 @@ from importlib.resources.abc import Traversable
 from pathlib import Path
 from typing import Any
 
-from gcm_learn.arms import (
-    CHAIN,
-    OTHER_ARMS,
-    PLANAR,
-    Arm,
-    Base,
-    ByKind,
-    Chain,
-    ChainJoint,
-    ChainModel,
-    Hand,
-    Kind,
-    Link,
-)
+from gcm_learn import arms
 from gcm_learn.checks import quote, show
 from gcm_learn.errors import FileFormatError, SituationError
 from gcm_learn.situation import json_records
@@ -32,13 +19,13 @@ from gcm_learn.situation.laws import Format
 
 ARM_FORMATS = ("gcm-learn/arm@1", "gcm-learn/arm@2")
 NEW: dict[type, tuple[str, ...]] = {
-    Link: ("name",),
-    ChainJoint: ("parent", "follows", "max_jerk"),
+    arms.Link: ("name",),
+    arms.ChainJoint: ("parent", "follows", "max_jerk"),
 }
 """Fields of records that `@2` adds; each is None in a record where it is absent."""
 
 
-def read_arm(path: str | Path) -> ChainModel:
+def read_arm(path: str | Path) -> arms.ChainModel:
     """Read a file of one arm.
 
     Raises
@@ -49,11 +36,11 @@ def read_arm(path: str | Path) -> ChainModel:
     return _read(Path(path), str(path))
 
 
-def _read(path: Path | Traversable, name: str) -> ChainModel:
+def _read(path: Path | Traversable, name: str) -> arms.ChainModel:
     return read_value(path, name, arm_from_json)
 
 
-def arm_from_json(obj: object, path: str = "") -> ChainModel:
+def arm_from_json(obj: object, path: str = "") -> arms.ChainModel:
     """Return the model that a parsed JSON value describes.
 
     Parameters
@@ -73,18 +60,18 @@ def arm_from_json(obj: object, path: str = "") -> ChainModel:
         field = f"{path}.format" if path else "format"
         known = " or ".join(map(quote, ARM_FORMATS))
         raise SituationError(field, f"must be {known} (got {show(given)})")
-    json_records.check_names(members, path, ChainModel, extra=("format",), optional=("name",))
+    json_records.check_names(members, path, arms.ChainModel, extra=("format",), optional=("name",))
     values: dict[str, Any] = {"name": "", **members}
     del values["format"]
     inside = f"{path}." if path else ""
-    for field, record in (("joints", ChainJoint), ("links", Link)):
+    for field, record in (("joints", arms.ChainJoint), ("links", arms.Link)):
         absent = NEW[record] if given == ARM_FORMATS[0] else ()
         values[field] = json_records.records_from(record, values[field], f"{inside}{field}", absent)
-    values["hand"] = json_records.record_from(Hand, values["hand"], f"{inside}hand")
-    return json_records.made_from(ChainModel, values, path)
+    values["hand"] = json_records.record_from(arms.Hand, values["hand"], f"{inside}hand")
+    return json_records.made_from(arms.ChainModel, values, path)
 
 
-def arm_to_json(model: ChainModel) -> dict[str, Any]:
+def arm_to_json(model: arms.ChainModel) -> dict[str, Any]:
     """Return the JSON object of a model, in the oldest format that holds it.
 
     `arm_from_json` gives back an equal model.
@@ -103,7 +90,7 @@ def arm_names() -> tuple[str, ...]:
 
 
 @lru_cache(maxsize=32)
-def shipped_arm(name: str) -> ChainModel:
+def shipped_arm(name: str) -> arms.ChainModel:
     """Return an arm that ships with the package.
 
     Raises
@@ -121,7 +108,7 @@ def _folder() -> Traversable:
     return files("gcm_learn.arms") / "models"
 
 
-def model_from(value: object, path: str, folder: Path) -> ChainModel:
+def model_from(value: object, path: str, folder: Path) -> arms.ChainModel:
     """Return the model that a situation gives as an object, a path or a name.
 
     Parameters
@@ -153,7 +140,7 @@ def _stamp(path: Path) -> tuple[int, int]:
 
 
 @lru_cache(maxsize=32)
-def _unchanged(path: Path, name: str, stamp: tuple[int, int]) -> ChainModel:
+def _unchanged(path: Path, name: str, stamp: tuple[int, int]) -> arms.ChainModel:
     """Read a file that many situations name, once."""
     return _read(path, name)
 
@@ -191,18 +178,18 @@ def arm_members(arm: Any) -> dict[str, Any]:
     return _WRITE.of(arm)(arm)
 
 
-def _kind_in(obj: object, path: str, known: tuple[Kind, ...]) -> Kind:
+def _kind_in(obj: object, path: str, known: tuple[arms.Kind, ...]) -> arms.Kind:
     """Return the kind that an arm names; planar arms name none."""
-    if known == (PLANAR,):
-        return PLANAR
+    if known == (arms.PLANAR,):
+        return arms.PLANAR
     name = json_records.kind_from(obj, path, [kind.name for kind in known])
     return next(kind for kind in known if kind.name == name)
 
 
-def _planar(arm: type[Arm], obj: object, path: str, reading: Reading) -> Arm:
+def _planar(arm: type[arms.Arm], obj: object, path: str, reading: Reading) -> arms.Arm:
     for name in ("joints", "joint_range", "model"):
         if isinstance(obj, dict) and name in obj and "kind" not in obj:
-            reason = f"is not for planar arms, which have a hand and 2 joints; {OTHER_ARMS}"
+            reason = f"is not for planar arms, which have a hand and 2 joints; {arms.OTHER_ARMS}"
             raise SituationError(f"{path}.{name}", reason)
     return json_records.record_from(arm, obj, path)
 
@@ -211,7 +198,7 @@ def _on_base(arm: type[Any], obj: object, path: str, reading: Reading) -> Any:
     return json_records.made_from(arm, _based(arm, obj, path, reading), path)
 
 
-def _chain(arm: type[Chain], obj: object, path: str, reading: Reading) -> Chain:
+def _chain(arm: type[arms.Chain], obj: object, path: str, reading: Reading) -> arms.Chain:
     values = _based(arm, obj, path, reading)
     values["model"] = model_from(values["model"], f"{path}.model", reading.folder)
     return json_records.made_from(arm, values, path)
@@ -224,12 +211,12 @@ def _based(record: type, obj: object, path: str, reading: Reading) -> dict[str, 
     values = {name: value for name, value in members.items() if name != "kind"}
     if "base" in values:
         values["base"] = json_records.record_from(
-            Base, reading.near(values["base"]), f"{path}.base"
+            arms.Base, reading.near(values["base"]), f"{path}.base"
         )
     return values
 
 
-def _chain_members(arm: Chain) -> dict[str, Any]:
+def _chain_members(arm: arms.Chain) -> dict[str, Any]:
     return {**_members(arm), "model": arm_to_json(arm.model)}
 
 
@@ -237,7 +224,9 @@ def _members(arm: Any) -> dict[str, Any]:
     return {"kind": arm.kind, **json_records.members_of(arm)}
 
 
-_READ: ByKind[ArmReader] = ByKind({PLANAR: _planar, CHAIN: _chain}, default=_on_base)
-_WRITE: ByKind[Callable[[Any], dict[str, Any]]] = ByKind(
-    {PLANAR: json_records.members_of, CHAIN: _chain_members}, default=_members
+_READ: arms.ByKind[ArmReader] = arms.ByKind(
+    {arms.PLANAR: _planar, arms.CHAIN: _chain}, default=_on_base
+)
+_WRITE: arms.ByKind[Callable[[Any], dict[str, Any]]] = arms.ByKind(
+    {arms.PLANAR: json_records.members_of, arms.CHAIN: _chain_members}, default=_members
 )

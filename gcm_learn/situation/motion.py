@@ -6,15 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
-from gcm_learn.checks import (
-    non_negative,
-    number,
-    orthogonal,
-    positive,
-    put,
-    unit_vector,
-    vector,
-)
+from gcm_learn import checks
 
 
 @dataclass(frozen=True)
@@ -44,9 +36,9 @@ class PlanarQuadratic:
     def __post_init__(self) -> None:
         """Check the documented shapes."""
         for name in ("position", "velocity", "acceleration"):
-            put(self, name, vector(getattr(self, name), name, 2))
+            checks.put(self, name, checks.vector(getattr(self, name), name, 2))
         for name in ("angle", "spin"):
-            put(self, name, number(getattr(self, name), name))
+            checks.put(self, name, checks.number(getattr(self, name), name))
 
 
 @dataclass(frozen=True)
@@ -76,8 +68,8 @@ class SolidQuadratic:
     def __post_init__(self) -> None:
         """Check the documented shapes."""
         for name in ("position", "velocity", "acceleration", "spin"):
-            put(self, name, vector(getattr(self, name), name, 3))
-        put(self, "orientation", unit_vector(self.orientation, "orientation", 4))
+            checks.put(self, name, checks.vector(getattr(self, name), name, 3))
+        checks.put(self, "orientation", checks.unit_vector(self.orientation, "orientation", 4))
 
 
 MOST_PERIODS = 1000  # of a pendulum's fastest swing in a horizon: its angle is tabulated
@@ -123,17 +115,17 @@ class Pendulum:
 
     def __post_init__(self) -> None:
         """Check the documented shapes and ranges."""
-        put(self, "pivot", vector(self.pivot, "pivot", 3))
-        put(self, "axis", unit_vector(self.axis, "axis"))
-        put(self, "down", unit_vector(self.down, "down"))
-        orthogonal(self.axis, self.down, "down", "axis")
-        put(self, "length", positive(self.length, "length"))
-        put(self, "gravity", non_negative(self.gravity, "gravity"))
+        checks.put(self, "pivot", checks.vector(self.pivot, "pivot", 3))
+        checks.put(self, "axis", checks.unit_vector(self.axis, "axis"))
+        checks.put(self, "down", checks.unit_vector(self.down, "down"))
+        checks.orthogonal(self.axis, self.down, "down", "axis")
+        checks.put(self, "length", checks.positive(self.length, "length"))
+        checks.put(self, "gravity", checks.non_negative(self.gravity, "gravity"))
         for name in ("angle", "rate"):
-            put(self, name, number(getattr(self, name), name))
-        put(self, "damping", non_negative(self.damping, "damping"))
+            checks.put(self, name, checks.number(getattr(self, name), name))
+        checks.put(self, "damping", checks.non_negative(self.damping, "damping"))
         if self.hang is not None:
-            put(self, "hang", non_negative(self.hang, "hang"))
+            checks.put(self, "hang", checks.non_negative(self.hang, "hang"))
 
     @property
     def hang_distance(self) -> float:

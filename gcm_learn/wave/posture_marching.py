@@ -16,20 +16,8 @@ import numpy as np
 from gcm_learn.compiled import njit
 from gcm_learn.motion.joint_interception import target_room
 from gcm_learn.scene.bodies import HAND, PART, REACH, centre_at
+from gcm_learn.wave import posture_steps
 from gcm_learn.wave.buckets import grown, left_in, put, queue_of, take
-from gcm_learn.wave.posture_steps import (
-    ACCEPTED,
-    BUCKETS,
-    FROZEN,
-    MET,
-    NEIGHBOURS,
-    NEVER,
-    OPEN,
-    START,
-    before,
-    hand_of_node,
-    home_of,
-)
 from gcm_learn.wave.pulled_postures import judge, offer, pull_here, time_of_step
 
 
@@ -37,16 +25,16 @@ from gcm_learn.wave.pulled_postures import judge, offer, pull_here, time_of_step
 def retry(ask, field, node, bucket, queue):
     """Wait for the next front that may come to a node, the last one having been held up."""
     late, nodes, pace = field.arrival[node], ask.nodes, ask.pace
-    field.arrival[node] = NEVER
-    for code in range(NEIGHBOURS):
-        other = before(nodes, pace, node, code)
-        if other >= 0 and field.state[other] == ACCEPTED:
+    field.arrival[node] = posture_steps.NEVER
+    for code in range(posture_steps.NEIGHBOURS):
+        other = posture_steps.before(nodes, pace, node, code)
+        if other >= 0 and field.state[other] == posture_steps.ACCEPTED:
             time = np.float32(field.arrival[other] + time_of_step(ask, other, node, code))
             if late < time < field.arrival[node]:
                 field.arrival[node], field.via[node] = time, code
-    if field.arrival[node] < NEVER:
+    if field.arrival[node] < posture_steps.NEVER:
         slot = max(int(field.arrival[node] * pace.buckets), bucket)
-        put(node, min(slot, bucket + BUCKETS - 1) % BUCKETS, queue)
+        put(node, min(slot, bucket + posture_steps.BUCKETS - 1) % posture_steps.BUCKETS, queue)
 
 
 @njit(_nrt=False)
@@ -56,7 +44,7 @@ def target_at(ask, node, now):
     rows = scene.bodies.rows
     if now < ask.terms.ignore:
         return -1
-    x, y, z = hand_of_node(ask.nodes, node)
+    x, y, z = posture_steps.hand_of_node(ask.nodes, node)
     for b in range(rows.shape[0]):
         if rows[b, PART] != HAND:
             continue
@@ -81,11 +69,11 @@ def empty_bucket(ask, field, bucket, queue):
         When [s].
     accepted : int
     """
-    pace, end, state, slot = ask.pace, ask.terms.end, field.state, bucket % BUCKETS
+    pace, end, state, slot = ask.pace, ask.terms.end, field.state, bucket % posture_steps.BUCKETS
     met, body, when, accepted = -1, -1, end, 0
-    while queue.heads[slot] >= 0 and left_in(queue) >= NEIGHBOURS + 4:
+    while queue.heads[slot] >= 0 and left_in(queue) >= posture_steps.NEIGHBOURS + 4:
         node = take(slot, queue)
-        if state[node] != OPEN or field.arrival[node] > end:
+        if state[node] != posture_steps.OPEN or field.arrival[node] > end:
             continue
         if not pull_here(ask, field, node):
             retry(ask, field, node, bucket, queue)
@@ -95,17 +83,17 @@ def empty_bucket(ask, field, bucket, queue):
             continue
         ahead = int(now * pace.buckets)
         if ahead > bucket:  # it was too far ahead for the buckets, or was held up
-            put(node, min(ahead, bucket + BUCKETS - 1) % BUCKETS, queue)
+            put(node, min(ahead, bucket + posture_steps.BUCKETS - 1) % posture_steps.BUCKETS, queue)
             continue
         state[node] = judge(ask, field, node)
-        if state[node] == OPEN:
+        if state[node] == posture_steps.OPEN:
             retry(ask, field, node, bucket, queue)
-        if state[node] != ACCEPTED:
+        if state[node] != posture_steps.ACCEPTED:
             continue
         accepted += 1
         target = target_at(ask, node, now)
         if target >= 0:
-            state[node] = MET
+            state[node] = posture_steps.MET
             if met < 0 or now < when:
                 met, body, when = node, target, float(now)
         else:
@@ -134,16 +122,20 @@ def march(ask, start, field):
     accepted : int
     """
     pace, terms = ask.pace, ask.terms
-    queue = queue_of(4096, BUCKETS)
+    queue = queue_of(4096, posture_steps.BUCKETS)
     for node in start:
-        field.arrival[node], field.via[node] = 0.0, START
+        field.arrival[node], field.via[node] = 0.0, posture_steps.START
         if pull_here(ask, field, node):
             put(node, 0, queue)
     met, body, when, accepted, bucket, empty = -1, -1, terms.end, 0, 0, 0
-    while empty <= BUCKETS and bucket <= terms.end * pace.buckets and (met < 0 or terms.explore):
+    while (
+        empty <= posture_steps.BUCKETS
+        and bucket <= terms.end * pace.buckets
+        and (met < 0 or terms.explore)
+    ):
         empty += 1
-        while queue.heads[bucket % BUCKETS] >= 0:
-            if left_in(queue) < NEIGHBOURS + 4:
+        while queue.heads[bucket % posture_steps.BUCKETS] >= 0:
+            if left_in(queue) < posture_steps.NEIGHBOURS + 4:
                 queue = grown(queue)
             empty = 0
             node, target, now, count = empty_bucket(ask, field, bucket, queue)
@@ -159,9 +151,9 @@ def finish(ask, field, via):
     """Mark nodes where the front never came, and write where it came from into via (nodes,)."""
     for node in range(via.size):
         via[node] = -1
-        if field.state[node] == OPEN:
+        if field.state[node] == posture_steps.OPEN:
             field.arrival[node] = ask.nodes.refused[node]
             if field.arrival[node] >= 0.0:
-                field.state[node] = FROZEN
+                field.state[node] = posture_steps.FROZEN
         else:
-            via[node] = home_of(ask.nodes, ask.pace, node, field.via[node])
+            via[node] = posture_steps.home_of(ask.nodes, ask.pace, node, field.via[node])

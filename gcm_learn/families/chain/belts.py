@@ -7,21 +7,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from gcm_learn.families import ranges
 from gcm_learn.families.chain.family import ChainFamily, Story, level
 from gcm_learn.families.chain.motions import circling
 from gcm_learn.families.chain.stage import Stage, Way
-from gcm_learn.families.ranges import (
-    Counts,
-    Range,
-    choose,
-    counts,
-    number,
-    pick,
-    pick_angle,
-    pick_count,
-    pick_sign,
-    span,
-)
 from gcm_learn.families.space.solids import UP, axes_along, crossed, solid
 from gcm_learn.situation import Body, Box, Capsule, Cylinder, Sphere
 
@@ -40,41 +29,41 @@ class ConveyorChain(ChainFamily):
     name = "conveyor-chain"
     summary = "parts on a belt among boxes, behind a row of posts"
 
-    directed: float = number(1.0)
+    directed: float = ranges.number(1.0)
     """Share of situations whose targets prescribe an approach: the hand's direction on its way."""
-    pace: Range = span(0.1, 0.5)
+    pace: ranges.Range = ranges.span(0.1, 0.5)
     """Speed of the belt [reaches/s]."""
-    slant: Range = span(-0.5, 0.5, -1.5, 1.5)
+    slant: ranges.Range = ranges.span(-0.5, 0.5, -1.5, 1.5)
     """Direction of the belt, from across the way out [rad]."""
-    parts: Counts = counts(1, 3, 1)
+    parts: ranges.Counts = ranges.counts(1, 3, 1)
     """Number of targets; all or most of several are to be caught."""
-    spacing: Range = span(0.08, 0.2, 0.01)
+    spacing: ranges.Range = ranges.span(0.08, 0.2, 0.01)
     """Between things on the belt [reaches]."""
-    boxes: Counts = counts(1, 3)
+    boxes: ranges.Counts = ranges.counts(1, 3)
     """Number of boxes on the belt."""
-    box: Range = span(0.03, 0.065, 1e-3)
+    box: ranges.Range = ranges.span(0.03, 0.065, 1e-3)
     """Half their sides [reaches]."""
-    posts: Counts = counts(3, 5)
+    posts: ranges.Counts = ranges.counts(3, 5)
     """Number of posts."""
-    gap: Range = span(0.095, 0.12, 0.01)
+    gap: ranges.Range = ranges.span(0.095, 0.12, 0.01)
     """Half the distance between neighbouring posts [reaches]."""
-    before: Range = span(0.06, 0.14, 0.01)
+    before: ranges.Range = ranges.span(0.06, 0.14, 0.01)
     """From the belt's middle to the posts [reaches]."""
-    post: Range = span(0.014, 0.028, 1e-3)
+    post: ranges.Range = ranges.span(0.014, 0.028, 1e-3)
     """Radius of posts [reaches]."""
-    tall: Range = span(0.14, 0.32, 0.01)
+    tall: ranges.Range = ranges.span(0.14, 0.32, 0.01)
     """Half their height [reaches]."""
 
     def story(self, rng: np.random.Generator, stage: Stage) -> Story:
         """Parts, boxes, the belt, posts."""
         way = self.way(rng, stage, downward)
-        out, angle = level(way.meet), pick(rng, self.slant)
+        out, angle = level(way.meet), ranges.pick(rng, self.slant)
         along = math.cos(angle) * crossed(UP, out) + math.sin(angle) * out
-        axes, pace = axes_along(UP, along), pick_sign(rng) * stage.size(rng, self.pace)
+        axes, pace = axes_along(UP, along), ranges.pick_sign(rng) * stage.size(rng, self.pace)
         course = pace * axes[:, 0]
         parts = self._parts(rng, stage, way, course)
         goods = self._boxes(rng, stage, way, axes, course)
-        catch = "any" if len(parts) == 1 else choose(rng, ("all", "most"))
+        catch = "any" if len(parts) == 1 else ranges.choose(rng, ("all", "most"))
         posts = self._posts(rng, stage, way, axes, out)
         return Story(way, (*parts, *goods, *posts), catch)
 
@@ -84,7 +73,7 @@ class ConveyorChain(ChainFamily):
         """The targets: one at the meeting, the others after it on the belt."""
         parts = [self.ball(rng, stage, way.meet, way.when, course)]
         along, far = course / max(float(np.linalg.norm(course)), 1e-9), 0.0
-        for k in range(1, pick_count(rng, self.parts)):
+        for k in range(1, ranges.pick_count(rng, self.parts)):
             far += stage.size(rng, self.spacing)
             other = self.ball(rng, stage, way.meet - far * along, way.when, course)
             parts.append(replace(other, name=f"part {k + 1}"))
@@ -103,9 +92,9 @@ class ConveyorChain(ChainFamily):
         low = 0.07 * reach
         belt = Box((0.42 * reach, 0.056 * reach, 0.014 * reach))
         bodies = [solid("belt", belt, way.meet - low * UP, axes)]
-        for k in range(pick_count(rng, self.boxes)):
+        for k in range(ranges.pick_count(rng, self.boxes)):
             x, y, z = (stage.size(rng, self.box) for _ in range(3))
-            far = pick_sign(rng) * (x + stage.size(rng, self.spacing))
+            far = ranges.pick_sign(rng) * (x + stage.size(rng, self.spacing))
             beside = rng.uniform(-0.03, 0.03) * reach
             place = way.meet + far * axes[:, 0] + beside * axes[:, 1]
             box = Box((x, y, z))
@@ -116,7 +105,7 @@ class ConveyorChain(ChainFamily):
         self, rng: np.random.Generator, stage: Stage, way: Way, axes: np.ndarray, out: np.ndarray
     ) -> list[Body]:
         """A row of posts between arm and belt, with a gap before the meeting's place."""
-        count, gap = pick_count(rng, self.posts), 2.0 * stage.slot(rng, self.gap)
+        count, gap = ranges.pick_count(rng, self.posts), 2.0 * stage.slot(rng, self.gap)
         nearer = -axes[:, 1] * math.copysign(1.0, float(axes[:, 1] @ out))
         row = way.meet + stage.size(rng, self.before) * nearer
         first = -(count // 2) + 0.5
@@ -137,25 +126,28 @@ class TurntableChain(ChainFamily):
     name = "turntable-chain"
     summary = "a part on a turntable, among pegs and a fin that turn with it"
 
-    directed: float = number(0.5)
+    directed: float = ranges.number(0.5)
     """Share of situations whose targets prescribe an approach: the hand's direction on its way."""
-    rate: Range = span(0.5, 3.0)
+    rate: ranges.Range = ranges.span(0.5, 3.0)
     """Rate of the turntable, either way [rad/s]."""
-    radius: Range = span(0.08, 0.22, 0.01)
+    radius: ranges.Range = ranges.span(0.08, 0.22, 0.01)
     """From its axis to the part [reaches]."""
-    pegs: Counts = counts(2, 5)
+    pegs: ranges.Counts = ranges.counts(2, 5)
     """Number of pegs."""
-    peg: Range = span(0.014, 0.03, 1e-3)
+    peg: ranges.Range = ranges.span(0.014, 0.03, 1e-3)
     """Radius of pegs [reaches]."""
-    tall: Range = span(0.06, 0.16, 1e-3)
+    tall: ranges.Range = ranges.span(0.06, 0.16, 1e-3)
     """Half their height [reaches]."""
-    fins: float = number(0.4)
+    fins: float = ranges.number(0.4)
     """Share of turntables with a fin across the middle."""
 
     def story(self, rng: np.random.Generator, stage: Stage) -> Story:
         """A part, the turntable, pegs, a fin."""
-        way, angle = self.way(rng, stage, downward), pick_angle(rng)
-        radius, rate = stage.size(rng, self.radius), pick_sign(rng) * pick(rng, self.rate)
+        way, angle = self.way(rng, stage, downward), ranges.pick_angle(rng)
+        radius, rate = (
+            stage.size(rng, self.radius),
+            ranges.pick_sign(rng) * ranges.pick(rng, self.rate),
+        )
         side = np.array([math.cos(angle), math.sin(angle), 0.0])
         middle, reach = way.meet - radius * side, stage.arm.reach
         low, thin = 0.05 * reach, 0.012 * reach
@@ -165,7 +157,7 @@ class TurntableChain(ChainFamily):
             circling(part, middle, rate, way.when, stage.horizon),
             solid("turntable", table, middle - low * UP),
         ]
-        for k in range(pick_count(rng, self.pegs)):
+        for k in range(ranges.pick_count(rng, self.pegs)):
             peg = self._peg(rng, stage, middle - low * UP, radius, angle, k)
             bodies.append(circling(peg, middle, rate, way.when, stage.horizon))
         if rng.random() < self.fins:

@@ -15,21 +15,11 @@ import numpy as np
 from gcm_learn.arms import Chain, ChainModel
 from gcm_learn.checks import show
 from gcm_learn.errors import FamilyError, FileFormatError, SituationError
+from gcm_learn.families import ranges
 from gcm_learn.families.chain.stage import Stage, Way, stage_of
 from gcm_learn.families.family import TINY, Family
 from gcm_learn.families.layout import TRIES
 from gcm_learn.families.paper import EARTH
-from gcm_learn.families.ranges import (
-    Counts,
-    Range,
-    Ranges,
-    counts,
-    number,
-    pick,
-    pick_count,
-    positives,
-    span,
-)
 from gcm_learn.families.space.solids import axes_along, solid, triple, unit_vector
 from gcm_learn.scene import pose
 from gcm_learn.situation import (
@@ -61,26 +51,26 @@ def model_of(name: str) -> ChainModel:
 
 
 @dataclass(frozen=True)
-class ChainArmRanges(Ranges):
+class ChainArmRanges(ranges.Ranges):
     """Ranges of a chain and of the duration of situations; a reach is `Chain.reach`."""
 
     model: str = field(default="panda")
     """Name of an arm that ships, the path of an arm file, which ends in ``.json``, or its text."""
-    metres: float = number(1.0, 1e-6, 1e6)
+    metres: float = ranges.number(1.0, 1e-6, 1e6)
     """Length of the arm's unit [m]."""
-    horizon: Range = span(1.0, 2.0, 1e-3)
+    horizon: ranges.Range = ranges.span(1.0, 2.0, 1e-3)
     """Last moment at which a catch counts [s]."""
-    grasp: Range = span(0.028, 0.028)
+    grasp: ranges.Range = ranges.span(0.028, 0.028)
     """Distance at which the hand catches [reaches]."""
-    hand_speed: Range = span(0.0, 0.0)
+    hand_speed: ranges.Range = ranges.span(0.0, 0.0)
     """Limit of the hand's speed [reaches/s]; at 0 nothing limits it."""
-    accelerations: tuple[float, ...] = positives()
+    accelerations: tuple[float, ...] = ranges.positives()
     """Limits of the joints' accelerations; the model's when empty [rad/s^2 or lengths/s^2]."""
-    moving: float = number(0.0, most=0.99)
+    moving: float = ranges.number(0.0, most=0.99)
     """Largest rate of a joint at t = 0 where accelerations are limited [of its full speed]."""
-    floor: float = number(1.0)
+    floor: float = ranges.number(1.0)
     """Share of arms that stand on a floor; arms that are mostly below it have none."""
-    floor_height: Range = span(0.0, 0.0, -10.0, 10.0)
+    floor_height: ranges.Range = ranges.span(0.0, 0.0, -10.0, 10.0)
     """Height of the floor above the base [reaches]."""
 
     def __post_init__(self) -> None:
@@ -104,11 +94,11 @@ class ChainArmRanges(Ranges):
         if self.accelerations:
             given["max_joint_acceleration"] = self.accelerations
         arm = Chain(model, middle, 0.0, **given)
-        speed = pick(rng, self.hand_speed) * arm.reach
+        speed = ranges.pick(rng, self.hand_speed) * arm.reach
         return Chain(
             model,
             middle,
-            pick(rng, self.grasp) * arm.reach,
+            ranges.pick(rng, self.grasp) * arm.reach,
             max_hand_speed=speed if speed > 0.0 else None,
             **given,
         )
@@ -148,29 +138,29 @@ class ChainFamily(Family):
     kind: ClassVar[str] = "chain"
 
     arm: ChainArmRanges = field(default_factory=ChainArmRanges)
-    takes: Range = span(0.15, 0.6, most=0.9)
+    takes: ranges.Range = ranges.span(0.15, 0.6, most=0.9)
     """Duration of the straight way of the joints at full speed [horizons]."""
-    when: Range = span(0.55, 0.95, 0.05, 0.97)
+    when: ranges.Range = ranges.span(0.55, 0.95, 0.05, 0.97)
     """Time of the meeting [horizons]; later if the straight way takes longer."""
-    target: Range = span(0.007, 0.02, TINY)
+    target: ranges.Range = ranges.span(0.007, 0.02, TINY)
     """Radius of targets [reaches]."""
-    directed: float = number(0.0)
+    directed: float = ranges.number(0.0)
     """Share of situations whose targets prescribe an approach: the hand's direction on its way."""
-    within: Range = span(0.436, 0.436, most=3.14)
+    within: ranges.Range = ranges.span(0.436, 0.436, most=3.14)
     """Angle that the hand may be off the approach [rad]."""
-    strays: Counts = counts(0, 1)
+    strays: ranges.Counts = ranges.counts(0, 1)
     """Number of balls that fly across the way."""
-    stray: Range = span(0.045, 0.085, TINY)
+    stray: ranges.Range = ranges.span(0.045, 0.085, TINY)
     """Radius of these balls [reaches]."""
-    speed: Range = span(0.2, 0.8)
+    speed: ranges.Range = ranges.span(0.2, 0.8)
     """Their speed [reaches/s]."""
 
     def sketch(self, rng: np.random.Generator, name: str) -> Situation[Chain]:
         """Draw once."""
-        arm, horizon = self.arm.arm(rng), pick(rng, self.arm.horizon)
+        arm, horizon = self.arm.arm(rng), ranges.pick(rng, self.arm.horizon)
         floor = None
         if rng.random() < self.arm.floor:
-            floor = pick(rng, self.arm.floor_height) * arm.reach
+            floor = ranges.pick(rng, self.arm.floor_height) * arm.reach
         stage = stage_of(rng, arm, horizon, self.arm.gravity, floor)
         directed = rng.random() < self.directed
         for _ in range(STORIES):
@@ -180,7 +170,7 @@ class ChainFamily(Family):
         else:
             story = story._replace(bodies=_kept(stage, story))
         way = story.way
-        strays = aimed(rng, stage, way, self._stray, pick_count(rng, self.strays))
+        strays = aimed(rng, stage, way, self._stray, ranges.pick_count(rng, self.strays))
         bodies = (*story.bodies, *strays, *stage.floor)
         start: Any = tuple(way.start.tolist())
         arm = replace(stage.arm, joints=start, joint_rates=self.arm.rates(rng, stage.arm))
@@ -233,7 +223,7 @@ class ChainFamily(Family):
         self, rng: np.random.Generator, situation: Situation[Chain], way: Way
     ) -> Situation[Chain]:
         """The situation with the hand's direction at the way's end as approach of all targets."""
-        within, bodies = pick(rng, self.within), []
+        within, bodies = ranges.pick(rng, self.within), []
         for k, body in enumerate(situation.bodies):
             if body.role == "target":
                 _, turn = pose(situation, k, way.when)
@@ -248,7 +238,7 @@ def on_the_way(rng: np.random.Generator, stage: Stage, way: Way) -> tuple[np.nda
 
     Points that the way carries far are preferred: others cannot be elsewhere at that time.
     """
-    share = pick(rng, (EARLY, LATE))
+    share = ranges.pick(rng, (EARLY, LATE))
     first, there, last = stage.points(np.stack([way.start, way.at(share), way.end]))
     carried = np.minimum(
         np.linalg.norm(there - first, axis=1), np.linalg.norm(last - first, axis=1)

@@ -7,19 +7,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from gcm_learn.families import ranges
 from gcm_learn.families.chain.family import ChainFamily, Story, aimed, on_the_way
 from gcm_learn.families.chain.motions import staged
 from gcm_learn.families.chain.stage import Stage, Way
-from gcm_learn.families.ranges import (
-    Counts,
-    Range,
-    counts,
-    number,
-    pick,
-    pick_angle,
-    pick_count,
-    span,
-)
 from gcm_learn.families.space.solids import UP, axes_along, solid, unit_vector
 from gcm_learn.situation import Body, Box, Capsule, Sphere
 
@@ -31,25 +22,25 @@ class ThrowChain(ChainFamily):
     name = "throw-chain"
     summary = "a thrown ball, among balls that cross the arm's way or rest in it"
 
-    level: Range = span(0.4, 1.3)
+    level: ranges.Range = ranges.span(0.4, 1.3)
     """Horizontal speed of the ball [reaches/s]."""
-    rise: Range = span(-3.0, 0.5, -100.0, 100.0)
+    rise: ranges.Range = ranges.span(-3.0, 0.5, -100.0, 100.0)
     """Its vertical speed at the meeting [reaches/s]."""
-    strays: Counts = counts(2, 5)
+    strays: ranges.Counts = ranges.counts(2, 5)
     """Number of balls that fly across the way."""
-    resting: Counts = counts(0, 2)
+    resting: ranges.Counts = ranges.counts(0, 2)
     """Number of balls at rest in the way."""
-    heavy: Range = span(0.07, 0.12, 1e-3)
+    heavy: ranges.Range = ranges.span(0.07, 0.12, 1e-3)
     """Radius of these [reaches]."""
 
     def story(self, rng: np.random.Generator, stage: Stage) -> Story:
         """A thrown ball and what rests in the way."""
-        way, angle = self.way(rng, stage), pick_angle(rng)
+        way, angle = self.way(rng, stage), ranges.pick_angle(rng)
         course = np.array([math.cos(angle), math.sin(angle), 0.0])
         pull = -stage.gravity * UP
         velocity = stage.size(rng, self.level) * course + stage.size(rng, self.rise) * UP
         bodies = [self.ball(rng, stage, way.meet, way.when, velocity - way.when * pull, pull)]
-        bodies += aimed(rng, stage, way, self._heavy, pick_count(rng, self.resting))
+        bodies += aimed(rng, stage, way, self._heavy, ranges.pick_count(rng, self.resting))
         return Story(way, tuple(bodies))
 
     def _heavy(self, rng: np.random.Generator, stage: Stage, way: Way, k: int) -> Body:
@@ -64,9 +55,9 @@ class SwarmChain(ChainFamily):
     name = "swarm-chain"
     summary = "a drifting ball behind a swarm of balls that cross the arm's way"
 
-    strays: Counts = counts(6, 10)
+    strays: ranges.Counts = ranges.counts(6, 10)
     """Number of balls in the swarm."""
-    drift: Range = span(0.08, 0.42)
+    drift: ranges.Range = ranges.span(0.08, 0.42)
     """Speed of the target [reaches/s]."""
 
     def story(self, rng: np.random.Generator, stage: Stage) -> Story:
@@ -87,21 +78,24 @@ class SequenceChain(SwarmChain):
     summary = "three to five balls that drift by, as many as possible to be caught in one movement"
     several = True
 
-    targets: Counts = counts(3, 5, 1)
+    targets: ranges.Counts = ranges.counts(3, 5, 1)
     """Number of targets."""
-    passes: Range = span(0.15, 0.9, 0.05, 0.97)
+    passes: ranges.Range = ranges.span(0.15, 0.9, 0.05, 0.97)
     """Times at which the hand could meet those after the first [horizons]."""
-    drift: Range = span(0.1, 0.6)
+    drift: ranges.Range = ranges.span(0.1, 0.6)
     """Speed of the targets [reaches/s]."""
-    strays: Counts = counts(3, 6)
+    strays: ranges.Counts = ranges.counts(3, 6)
     """Number of balls that fly across the way to the first."""
 
     def story(self, rng: np.random.Generator, stage: Stage) -> Story:
         """A ball at the end of the way, and others at places that the hand can reach."""
         way, bodies = super().story(rng, stage)[:2]
         hands, _ = stage.hands()
-        for k in range(1, pick_count(rng, self.targets)):
-            meet, when = hands[rng.integers(len(hands))], pick(rng, self.passes) * stage.horizon
+        for k in range(1, ranges.pick_count(rng, self.targets)):
+            meet, when = (
+                hands[rng.integers(len(hands))],
+                ranges.pick(rng, self.passes) * stage.horizon,
+            )
             course = stage.size(rng, self.drift) * unit_vector(rng.normal(size=3))
             other = self.ball(rng, stage, meet, when, course)
             bodies = (*bodies, replace(other, name=f"target {k + 1}"))
@@ -115,43 +109,43 @@ class FallingChain(ChainFamily):
     name = "falling-chain"
     summary = "a ball that bounces off a table, among falling bars"
 
-    bounce: Range = span(0.12, 0.35, 0.01)
+    bounce: ranges.Range = ranges.span(0.12, 0.35, 0.01)
     """Time from the bounce to the meeting [s]; a shorter one if that is sooner."""
-    height: Range = span(0.08, 0.3, 0.01)
+    height: ranges.Range = ranges.span(0.08, 0.3, 0.01)
     """From the table to the meeting [reaches]."""
-    elastic: Range = span(0.6, 0.9, 0.1, 1.0)
+    elastic: ranges.Range = ranges.span(0.6, 0.9, 0.1, 1.0)
     """Speed after the bounce, as a share of that before."""
-    level: Range = span(0.0, 0.3)
+    level: ranges.Range = ranges.span(0.0, 0.3)
     """Horizontal speed [reaches/s]."""
-    table: Range = span(0.08, 0.2, 0.01)
+    table: ranges.Range = ranges.span(0.08, 0.2, 0.01)
     """Half the table's sides [reaches]."""
-    falling: Counts = counts(1, 4)
+    falling: ranges.Counts = ranges.counts(1, 4)
     """Number of falling bars."""
-    bar: Range = span(0.02, 0.04, 1e-3)
+    bar: ranges.Range = ranges.span(0.02, 0.04, 1e-3)
     """Radius of bars [reaches]."""
-    length: Range = span(0.06, 0.2, 1e-3)
+    length: ranges.Range = ranges.span(0.06, 0.2, 1e-3)
     """Half their length [reaches]."""
-    fall: Range = span(0.3, 2.0)
+    fall: ranges.Range = ranges.span(0.3, 2.0)
     """Speed with which they fall through the way [reaches/s]."""
-    spin: float = number(2.0, most=50.0)
+    spin: float = ranges.number(2.0, most=50.0)
     """Largest rate at which they turn [rad/s]."""
 
     def story(self, rng: np.random.Generator, stage: Stage) -> Story:
         """A ball that bounces, a table and what falls."""
         way = self.way(rng, stage)
         bodies = list(self._bounced(rng, stage, way))
-        bodies += aimed(rng, stage, way, self._bar, pick_count(rng, self.falling))
+        bodies += aimed(rng, stage, way, self._bar, ranges.pick_count(rng, self.falling))
         return Story(way, tuple(bodies))
 
     def _bounced(self, rng: np.random.Generator, stage: Stage, way: Way) -> tuple[Body, Body]:
         """The ball and its table."""
-        since = min(pick(rng, self.bounce), 0.5 * way.when)
-        high, angle = stage.size(rng, self.height), pick_angle(rng)
+        since = min(ranges.pick(rng, self.bounce), 0.5 * way.when)
+        high, angle = stage.size(rng, self.height), ranges.pick_angle(rng)
         pull, first = -stage.gravity * UP, way.when - since
         up = (high + 0.5 * stage.gravity * since**2) / since
         course = stage.size(rng, self.level) * np.array([math.cos(angle), math.sin(angle), 0.0])
         struck = way.meet - since * course - high * UP
-        down = course - (up / pick(rng, self.elastic)) * UP - first * pull
+        down = course - (up / ranges.pick(rng, self.elastic)) * UP - first * pull
         begin = struck - down * first - 0.5 * pull * first**2
         ball = self.ball(rng, stage, begin, 0.0)
         ball = staged(ball, [(0.0, down, pull), (first, course + up * UP, pull)])

@@ -6,19 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from gcm_learn.families import ranges
 from gcm_learn.families.chain.family import ChainFamily, Story, facing
 from gcm_learn.families.chain.motions import shifted, sliding, staged
 from gcm_learn.families.chain.stage import Stage, Way
-from gcm_learn.families.ranges import (
-    Counts,
-    Range,
-    counts,
-    number,
-    pick,
-    pick_count,
-    pick_sign,
-    span,
-)
 from gcm_learn.families.space.solids import STILL, axes_along, solid, unit_vector
 from gcm_learn.situation import Body, Box, Capsule
 
@@ -30,25 +21,25 @@ class WindowChain(ChainFamily):
     name = "window-chain"
     summary = "a part behind a window of bars, past which a shutter slides"
 
-    directed: float = number(1.0)
+    directed: float = ranges.number(1.0)
     """Share of situations whose targets prescribe an approach: the hand's direction on its way."""
-    behind: Range = span(0.06, 0.14, 0.01)
+    behind: ranges.Range = ranges.span(0.06, 0.14, 0.01)
     """From the bars to the meeting [reaches]."""
-    opening: Range = span(0.12, 0.16, 0.02)
+    opening: ranges.Range = ranges.span(0.12, 0.16, 0.02)
     """Half the width and the height of the window [reaches]."""
-    bar: Range = span(0.014, 0.014, 1e-3)
+    bar: ranges.Range = ranges.span(0.014, 0.014, 1e-3)
     """Radius of bars [reaches]."""
-    length: Range = span(0.25, 0.35, 0.02)
+    length: ranges.Range = ranges.span(0.25, 0.35, 0.02)
     """Half the length of bars [reaches]."""
-    more: Counts = counts(0, 2)
+    more: ranges.Counts = ranges.counts(0, 2)
     """Number of bars beside the window."""
-    drift: Range = span(0.01, 0.2)
+    drift: ranges.Range = ranges.span(0.01, 0.2)
     """Speed of the part [reaches/s]."""
-    shutters: float = number(0.6)
+    shutters: float = ranges.number(0.6)
     """Share of windows with a shutter."""
-    shutter: Range = span(0.035, 0.06, 1e-3)
+    shutter: ranges.Range = ranges.span(0.035, 0.06, 1e-3)
     """Radius of shutters [reaches]."""
-    passes: Range = span(0.2, 0.8, 0.01)
+    passes: ranges.Range = ranges.span(0.2, 0.8, 0.01)
     """Instant at which a shutter is in the middle [times of the meeting]."""
 
     def story(self, rng: np.random.Generator, stage: Stage) -> Story:
@@ -74,7 +65,7 @@ class WindowChain(ChainFamily):
     ) -> list[Body]:
         """Four bars about the window, and upright ones beside it."""
         places = [(1, sizes[0]), (1, -sizes[0]), (2, sizes[1]), (2, -sizes[1])]
-        for k in range(pick_count(rng, self.more)):
+        for k in range(ranges.pick_count(rng, self.more)):
             places.append((1, (-1.0) ** k * (2 + k // 2) * sizes[0]))
         bodies = []
         for k, (across, far) in enumerate(places):
@@ -94,9 +85,9 @@ class WindowChain(ChainFamily):
     ) -> Body:
         """A thick bar that slides over the window and is off it at the meeting."""
         k, radius = int(rng.integers(1, 3)), stage.size(rng, self.shutter)
-        passes = pick(rng, self.passes) * way.when
+        passes = ranges.pick(rng, self.passes) * way.when
         far = 1.1 * sizes[k - 1] + radius
-        speed = pick_sign(rng) * far / (way.when - passes)
+        speed = ranges.pick_sign(rng) * far / (way.when - passes)
         shape = Capsule(radius, sizes[2 - k])
         turned = axes_along(axes[:, 3 - k])
         return solid("shutter", shape, middle, turned, when=passes, velocity=speed * axes[:, k])
@@ -109,19 +100,19 @@ class GateChain(ChainFamily):
     name = "gate-chain"
     summary = "a part behind a gate whose two leaves slide apart and may close again"
 
-    behind: Range = span(0.05, 0.14, 0.01)
+    behind: ranges.Range = ranges.span(0.05, 0.14, 0.01)
     """From the gate to the meeting [reaches]."""
-    opening: Range = span(0.1, 0.17, 0.02)
+    opening: ranges.Range = ranges.span(0.1, 0.17, 0.02)
     """Half the width when it is open [reaches]."""
-    leaf: Range = span(0.15, 0.3, 0.02)
+    leaf: ranges.Range = ranges.span(0.15, 0.3, 0.02)
     """Half the width and the height of a leaf [reaches]."""
-    begins: Range = span(0.0, 0.6, most=0.9)
+    begins: ranges.Range = ranges.span(0.0, 0.6, most=0.9)
     """Instant at which it starts to open [times of the meeting]."""
-    opened: Range = span(0.92, 1.0, 0.91, 1.0)
+    opened: ranges.Range = ranges.span(0.92, 1.0, 0.91, 1.0)
     """Instant at which it is open [times of the meeting]."""
-    closing: float = number(0.4)
+    closing: float = ranges.number(0.4)
     """Share of gates that close again after the meeting."""
-    drift: Range = span(0.0, 0.15)
+    drift: ranges.Range = ranges.span(0.0, 0.15)
     """Speed of the part [reaches/s]."""
 
     def story(self, rng: np.random.Generator, stage: Stage) -> Story:
@@ -136,7 +127,7 @@ class GateChain(ChainFamily):
         k = int(rng.integers(1, 3))
         size = [thin, high, high]
         size[k] = wide
-        begins, ends = (pick(rng, r) * way.when for r in (self.begins, self.opened))
+        begins, ends = (ranges.pick(rng, r) * way.when for r in (self.begins, self.opened))
         closes = rng.random() < self.closing
         for name, side in (("left leaf", 1.0), ("right leaf", -1.0)):
             by = side * gap * axes[:, k]

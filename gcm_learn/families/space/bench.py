@@ -7,17 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from gcm_learn.families import ranges
 from gcm_learn.families.layout import TRIES
-from gcm_learn.families.ranges import (
-    Counts,
-    Range,
-    counts,
-    number,
-    pick,
-    pick_angle,
-    pick_count,
-    span,
-)
 from gcm_learn.families.space.family import SpatialFamily, Story, fits
 from gcm_learn.families.space.solids import STILL, solid
 from gcm_learn.families.space.stage import Stage, Way
@@ -36,36 +27,36 @@ class BenchSpace(SpatialFamily):
     name = "bench-space"
     summary = "a ball that rolls on a table, among boxes and cans, the hand under the table"
 
-    takes: Range = span(0.12, 0.6, most=0.9)
+    takes: ranges.Range = ranges.span(0.12, 0.6, most=0.9)
     """Duration of the straight way of the joints [horizons]."""
-    height: Range = span(-0.9, -0.3, -2.0, 1.0)
+    height: ranges.Range = ranges.span(-0.9, -0.3, -2.0, 1.0)
     """Of the table's top, from the shoulder [forearms]."""
-    edge: Range = span(0.25, 0.6, 0.01)
+    edge: ranges.Range = ranges.span(0.25, 0.6, 0.01)
     """From the shoulder to the table's edge [forearms]."""
-    below: float = number(0.75)
+    below: float = ranges.number(0.75)
     """Share of hands that are under the table at first."""
-    roll: Range = span(0.0, 1.0)
+    roll: ranges.Range = ranges.span(0.0, 1.0)
     """Speed of the ball [forearms/s]."""
-    goods: Counts = counts(1, 4)
+    goods: ranges.Counts = ranges.counts(1, 4)
     """Number of boxes and cans."""
-    size: Range = span(0.1, 0.35, 1e-3)
+    size: ranges.Range = ranges.span(0.1, 0.35, 1e-3)
     """Half their widths [forearms]."""
-    tall: Range = span(0.15, 0.6, 1e-3)
+    tall: ranges.Range = ranges.span(0.15, 0.6, 1e-3)
     """Half their heights [forearms]."""
-    sliding: float = number(0.4)
+    sliding: float = ranges.number(0.4)
     """Share of boxes and cans that slide."""
-    slides: Range = span(0.5, 2.5)
+    slides: ranges.Range = ranges.span(0.5, 2.5)
     """Their speeds [forearms/s]."""
 
     def story(self, rng: np.random.Generator, stage: Stage) -> Story:
         """A table, a ball and goods."""
-        top, edge = pick(rng, self.height), pick(rng, self.edge)
+        top, edge = ranges.pick(rng, self.height), ranges.pick(rng, self.edge)
         if top > -2.0 * stage.thickness:
             edge += stage.thickness
         table = solid("table", Box((1.25, 2.0, THIN)), (edge + 1.25, 0.3, top - THIN))
         way, target = self._way(rng, stage, table, top, edge)
         bodies = [target, table]
-        for k in range(pick_count(rng, self.goods)):
+        for k in range(ranges.pick_count(rng, self.goods)):
             for _ in range(TRIES):
                 good = self._good(rng, way, top, f"{k + 1}")
                 if fits(stage, way, way.takes, (good,)):
@@ -84,21 +75,23 @@ class BenchSpace(SpatialFamily):
         near = self.target[1] + 0.7 * stage.grasp
         on = out & (hand[:, 2] > top) & (hand[:, 2] < top + 2.0 * self.target[1] + near)
         way = stage.way(rng, self.takes, under, on)
-        angle, speed = pick_angle(rng), pick(rng, self.roll)
+        angle, speed = ranges.pick_angle(rng), ranges.pick(rng, self.roll)
         course = speed * np.array([math.cos(angle), math.sin(angle), 0.0])
-        radius = pick(rng, self.target)
+        radius = ranges.pick(rng, self.target)
         place = np.array([way.meet[0], way.meet[1], top + radius])
         return way, solid("target", Sphere(radius), place, when=way.takes, velocity=course)
 
     def _good(self, rng: np.random.Generator, way: Way, top: float, name: str) -> Body:
         """A box or a can that stands before or beside the ball, or slides past it."""
-        size, high = pick(rng, self.size), pick(rng, self.tall)
+        size, high = ranges.pick(rng, self.size), ranges.pick(rng, self.tall)
         towards = way.meet * rng.uniform(0.4, 1.0) + rng.normal(size=3) * 0.3
         place = np.array([towards[0], towards[1], top + high])
         can = Cylinder(size, high) if rng.random() < 0.5 else None
-        shape = can or Box((size, pick(rng, self.size), high))
+        shape = can or Box((size, ranges.pick(rng, self.size), high))
         velocity = STILL
         if rng.random() < self.sliding:
-            angle = pick_angle(rng)
-            velocity = pick(rng, self.slides) * np.array([math.cos(angle), math.sin(angle), 0.0])
+            angle = ranges.pick_angle(rng)
+            velocity = ranges.pick(rng, self.slides) * np.array(
+                [math.cos(angle), math.sin(angle), 0.0]
+            )
         return solid(f"{shape.kind} {name}", shape, place, when=way.takes, velocity=velocity)

@@ -8,17 +8,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from gcm_learn.arms import SPATIAL, SpatialArm
+from gcm_learn.families import ranges
 from gcm_learn.families.layout import TRIES
-from gcm_learn.families.ranges import (
-    Counts,
-    Range,
-    counts,
-    number,
-    pick,
-    pick_angle,
-    pick_count,
-    span,
-)
 from gcm_learn.families.space.family import (
     SpatialFamily,
     Story,
@@ -40,22 +31,22 @@ SEEN = 0.15  # of a flight before the meeting, in which balls keep off a shelf [
 class ThrownFamily(SpatialFamily):
     """Base of families with a ball that is thrown from afar, and caught on its way down."""
 
-    when: Range = span(0.5, 0.9, 0.1, 0.95)
+    when: ranges.Range = ranges.span(0.5, 0.9, 0.1, 0.95)
     """Time of the meeting [horizons]."""
-    thrown: Range = span(4.0, 12.0)
+    thrown: ranges.Range = ranges.span(4.0, 12.0)
     """From how far, level [forearms]."""
-    heading: Range = span(-0.8, 1.2, -3.15, 3.15)
+    heading: ranges.Range = ranges.span(-0.8, 1.2, -3.15, 3.15)
     """Direction that it comes from, from ahead to the arm's side [rad]."""
-    drop: Range = span(-3.0, 1.0, -100.0)
+    drop: ranges.Range = ranges.span(-3.0, 1.0, -100.0)
     """Height of the throw above the meeting [forearms]."""
 
     def thrown_ball(
         self, rng: np.random.Generator, stage: Stage, meet: np.ndarray, when: float
     ) -> Body:
         """A ball that is at a place at a time, having been thrown at t = 0."""
-        angle = pick(rng, self.heading)
+        angle = ranges.pick(rng, self.heading)
         level = np.array([math.cos(angle), math.sin(angle), 0.0])
-        away = pick(rng, self.thrown) * level + pick(rng, self.drop) * UP
+        away = ranges.pick(rng, self.thrown) * level + ranges.pick(rng, self.drop) * UP
         pull = -stage.build.gravity * UP
         velocity = -away / when - 0.5 * pull * when
         return self.ball(rng, meet, when, velocity, pull)
@@ -71,28 +62,30 @@ class OverShelfSpace(ThrownFamily):
     name = "over-shelf-space"
     summary = "a thrown ball to catch above a shelf that the arm is under"
 
-    height: Range = span(-0.6, 0.5, -2.0, 2.0)
+    height: ranges.Range = ranges.span(-0.6, 0.5, -2.0, 2.0)
     """Of the shelf over the shoulder [forearms]."""
-    edge: Range = span(0.15, 0.5, 0.01)
+    edge: ranges.Range = ranges.span(0.15, 0.5, 0.01)
     """From the shoulder to the shelf's near edge [forearms]."""
-    depth: Range = span(1.2, 2.2, 0.01)
+    depth: ranges.Range = ranges.span(1.2, 2.2, 0.01)
     """Of the shelf [forearms]."""
-    side: Range = span(0.6, 2.0, -1.0)
+    side: ranges.Range = ranges.span(0.6, 2.0, -1.0)
     """Extent to the arm's side [forearms]."""
-    posts: float = number(0.6)
+    posts: float = ranges.number(0.6)
     """Share of shelves on a wall at that side, round which there is no way."""
 
     def story(self, rng: np.random.Generator, stage: Stage) -> Story:
         """A thrown ball, a shelf, perhaps a wall at its side."""
-        height = pick(rng, self.height)
-        edge = pick(rng, self.edge) + (stage.thickness if abs(height) < 2 * stage.thickness else 0)
+        height = ranges.pick(rng, self.height)
+        edge = ranges.pick(rng, self.edge) + (
+            stage.thickness if abs(height) < 2 * stage.thickness else 0
+        )
         shelf = self._shelf(rng, stage, height, edge)
         points, (_, hand) = stage.points(stage.joints), stage.limb(stage.joints)
         free = stage.room(stage.joints, shelf) > 0.0
         out = free & (hand[:, 0] > edge)
         under = out & (points[:, -3:, 2].max(axis=1) < height)
         over = out & (hand[:, 2] > height + stage.thickness)
-        when = pick(rng, self.when) * stage.horizon
+        when = ranges.pick(rng, self.when) * stage.horizon
         for _ in range(TRIES):
             way = stage.way(rng, self.takes, under, over)
             ball = self.thrown_ball(rng, stage, way.meet, when)
@@ -104,7 +97,7 @@ class OverShelfSpace(ThrownFamily):
         self, rng: np.random.Generator, stage: Stage, height: float, edge: float
     ) -> tuple[Body, ...]:
         """A board, and with it a wall or not."""
-        depth, left, right = pick(rng, self.depth), pick(rng, self.side), -1.5
+        depth, left, right = ranges.pick(rng, self.depth), ranges.pick(rng, self.side), -1.5
         place = (edge + 0.5 * depth, 0.5 * (left + right), height)
         board = solid("shelf", Box((0.5 * depth, 0.5 * (left - right), THIN)), place)
         if rng.random() >= self.posts:
@@ -123,25 +116,25 @@ class LateTargetSpace(ThrownFamily):
     name = "late-target-space"
     summary = "a thrown ball within reach for a moment, where something has just left"
 
-    sentries: float = number(0.75)
+    sentries: float = ranges.number(0.75)
     """Share of balls whose place is taken at first."""
-    leaves: Range = span(0.8, 0.98, 0.05, 1.0)
+    leaves: ranges.Range = ranges.span(0.8, 0.98, 0.05, 1.0)
     """Instant at which it is free, as shares of the time until the ball is there."""
-    sentry: Range = span(0.4, 0.9, 1e-3)
+    sentry: ranges.Range = ranges.span(0.4, 0.9, 1e-3)
     """Radius of what takes it [forearms]."""
-    obstacles: Counts = counts(1, 3)
+    obstacles: ranges.Counts = ranges.counts(1, 3)
     """Number of other obstacles, which rest across the way."""
-    share: Range = span(0.25, 0.8, most=1.0)
+    share: ranges.Range = ranges.span(0.25, 0.8, most=1.0)
     """Places on the way at which they stand, as shares of it."""
 
     def story(self, rng: np.random.Generator, stage: Stage) -> Story:
         """A thrown ball, what is in its place, what stands in the way."""
-        way, when = stage.way(rng, self.takes), pick(rng, self.when) * stage.horizon
+        way, when = stage.way(rng, self.takes), ranges.pick(rng, self.when) * stage.horizon
         bodies = [self.thrown_ball(rng, stage, way.meet, when)]
         if rng.random() < self.sentries:
-            gone = pick(rng, self.leaves) * when
+            gone = ranges.pick(rng, self.leaves) * when
             bodies.append(sentry(rng, stage, way, self.sentry, gone))
-        for k in range(pick_count(rng, self.obstacles)):
+        for k in range(ranges.pick_count(rng, self.obstacles)):
             bodies.append(aimed(rng, stage, way, Things(), self.share, f"{k + 1}", when))
         return Story(way, when, tuple(bodies))
 
@@ -156,26 +149,26 @@ class FallingSpace(SpatialFamily):
     name = "falling-space"
     summary = "a falling ball among falling bodies, and shelves at rest"
 
-    obstacles: Counts = counts(2, 4)
+    obstacles: ranges.Counts = ranges.counts(2, 4)
     """Number of obstacles."""
-    shelves: float = number(0.6)
+    shelves: float = ranges.number(0.6)
     """Share of obstacles that are shelves at rest."""
-    falls: Range = span(0.05, 0.3)
+    falls: ranges.Range = ranges.span(0.05, 0.3)
     """Time that a body has fallen when it is in its place [s]."""
-    drift: Range = span(0.0, 1.0)
+    drift: ranges.Range = ranges.span(0.0, 1.0)
     """Level speeds [forearms/s]."""
-    when: Range = span(0.35, 0.8, 0.1, 0.95)
+    when: ranges.Range = ranges.span(0.35, 0.8, 0.1, 0.95)
     """Time of the meeting [horizons]."""
-    share: Range = span(0.25, 0.85, most=1.0)
+    share: ranges.Range = ranges.span(0.25, 0.85, most=1.0)
     """Places of obstacles on the way, as shares of it."""
     things: Things = field(default_factory=lambda: Things(boards=0.4, bars=0.4))
 
     def story(self, rng: np.random.Generator, stage: Stage) -> Story:
         """A ball, shelves, what falls."""
-        way, when = stage.way(rng, self.takes), pick(rng, self.when) * stage.horizon
+        way, when = stage.way(rng, self.takes), ranges.pick(rng, self.when) * stage.horizon
         velocity, pull = self._toss(rng, stage, when)
         bodies = [self.ball(rng, way.meet, when, velocity, pull)]
-        for k in range(pick_count(rng, self.obstacles)):
+        for k in range(ranges.pick_count(rng, self.obstacles)):
             make = self._shelf if rng.random() < self.shelves else self._faller
             for _ in range(TRIES):
                 body = make(rng, stage, way, when, f"{k + 1}")
@@ -188,17 +181,17 @@ class FallingSpace(SpatialFamily):
         self, rng: np.random.Generator, stage: Stage, when: float
     ) -> tuple[np.ndarray, np.ndarray]:
         """Velocity (3,) at t = 0 of what falls at a time, and its acceleration."""
-        angle, speed = pick_angle(rng), pick(rng, self.drift)
+        angle, speed = ranges.pick_angle(rng), ranges.pick(rng, self.drift)
         pull = -stage.build.gravity * UP
         level = speed * np.array([math.cos(angle), math.sin(angle), 0.0])
-        return level + (pick(rng, self.falls) - when) * pull, pull
+        return level + (ranges.pick(rng, self.falls) - when) * pull, pull
 
     def _shelf(
         self, rng: np.random.Generator, stage: Stage, way: Way, when: float, name: str
     ) -> Body:
         """A level board across the way."""
-        place, axes = across(rng, stage, way, pick(rng, self.share))
-        sizes = (pick(rng, self.things.length), pick(rng, self.things.width), THIN)
+        place, axes = across(rng, stage, way, ranges.pick(rng, self.share))
+        sizes = (ranges.pick(rng, self.things.length), ranges.pick(rng, self.things.width), THIN)
         return solid(f"shelf {name}", Box(sizes), place, axes_along(UP, axes[:, 2]))
 
     def _faller(
@@ -206,7 +199,7 @@ class FallingSpace(SpatialFamily):
     ) -> Body:
         """Something that falls through the way when the limb is there, or until the ball comes."""
         kind, shape = self.things.shape(rng)
-        share = pick(rng, self.share)
+        share = ranges.pick(rng, self.share)
         place, axes = across(rng, stage, way, share)
         at = share * way.takes + rng.random() * (when - share * way.takes)
         velocity, pull = self._toss(rng, stage, at)
@@ -242,27 +235,27 @@ class SequenceSpace(SpatialFamily):
     summary = "three to five balls that fly by, as many as possible to be caught in one movement"
     several = True
 
-    targets: Counts = counts(3, 5, 1)
+    targets: ranges.Counts = ranges.counts(3, 5, 1)
     """Number of balls."""
-    when: Range = span(0.15, 0.9, 0.05, 0.95)
+    when: ranges.Range = ranges.span(0.15, 0.9, 0.05, 0.95)
     """Times at which they are at places that the hand can reach [horizons]."""
-    speed: Range = span(0.2, 1.2)
+    speed: ranges.Range = ranges.span(0.2, 1.2)
     """Of the balls [forearms/s]."""
-    obstacles: Counts = counts(2, 4)
+    obstacles: ranges.Counts = ranges.counts(2, 4)
     """Number of obstacles, which rest across the way to the first ball."""
     things: Things = field(default_factory=Things)
-    share: Range = span(0.25, 0.8, most=1.0)
+    share: ranges.Range = ranges.span(0.25, 0.8, most=1.0)
     """Places on that way at which they stand, as shares of it."""
 
     def story(self, rng: np.random.Generator, stage: Stage) -> Story:
         """All balls, each with a place of its own to be caught, and what stands in the way."""
         way = stage.way(rng, self.takes)
         bodies = [self._passing(rng, stage, way, way.takes)]
-        for k in range(1, pick_count(rng, self.targets)):
-            when = pick(rng, self.when) * stage.horizon
+        for k in range(1, ranges.pick_count(rng, self.targets)):
+            when = ranges.pick(rng, self.when) * stage.horizon
             other = self._passing(rng, stage, stage.way(rng, self.takes), when)
             bodies.append(replace(other, name=f"target {k + 1}"))
-        for k in range(pick_count(rng, self.obstacles)):
+        for k in range(ranges.pick_count(rng, self.obstacles)):
             bodies.append(aimed(rng, stage, way, self.things, self.share, f"{k + 1}", way.takes))
         return Story(way, way.takes, tuple(bodies))
 
@@ -274,5 +267,5 @@ class SequenceSpace(SpatialFamily):
 
     def _passing(self, rng: np.random.Generator, stage: Stage, way: Way, when: float) -> Body:
         """A ball at the end of a way at a time, in steady flight."""
-        velocity = pick(rng, self.speed) * unit_vector(rng.normal(size=3))
+        velocity = ranges.pick(rng, self.speed) * unit_vector(rng.normal(size=3))
         return self.ball(rng, way.meet, when, velocity)

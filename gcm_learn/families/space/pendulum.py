@@ -7,18 +7,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from gcm_learn.families import ranges
 from gcm_learn.families.pendulum import swing_through
-from gcm_learn.families.ranges import (
-    Counts,
-    Range,
-    counts,
-    number,
-    pick,
-    pick_angle,
-    pick_count,
-    pick_sign,
-    span,
-)
 from gcm_learn.families.space.family import SpatialFamily, Story, Things, across, aimed, sentry
 from gcm_learn.families.space.solids import triple
 from gcm_learn.families.space.stage import Stage
@@ -36,44 +26,46 @@ class PendulumSpace(SpatialFamily):
     name = "pendulum-space"
     summary = "a ball on a cord, which must not be touched, among other pendulums and boards"
 
-    length: Range = span(1.5, 5.0, 0.1)
+    length: ranges.Range = ranges.span(1.5, 5.0, 0.1)
     """From pivot to ball [forearms]."""
-    amplitude: Range = span(0.2, 0.9, 0.01, 1.5)
+    amplitude: ranges.Range = ranges.span(0.2, 0.9, 0.01, 1.5)
     """Largest angle of swings [rad]."""
-    phase: Range = span(-0.9, 0.9, -0.99, 0.99)
+    phase: ranges.Range = ranges.span(-0.9, 0.9, -0.99, 0.99)
     """Angle at the place of a ball's meeting [amplitudes]."""
-    when: Range = span(0.5, 0.9, 0.05, 0.95)
+    when: ranges.Range = ranges.span(0.5, 0.9, 0.05, 0.95)
     """Time of the meeting [horizons]."""
-    cord: Range = span(0.01, 0.03, 1e-3)
+    cord: ranges.Range = ranges.span(0.01, 0.03, 1e-3)
     """Radius of cords [forearms]."""
-    heavy: Counts = counts(0, 1)
+    heavy: ranges.Counts = ranges.counts(0, 1)
     """Number of other pendulums."""
-    bob: Range = span(0.2, 0.45, 1e-3)
+    bob: ranges.Range = ranges.span(0.2, 0.45, 1e-3)
     """Radius of their balls [forearms]."""
-    sentries: float = number(0.6)
+    sentries: float = ranges.number(0.6)
     """Share of balls whose place is taken by something until shortly before."""
-    sentry: Range = span(0.3, 0.7, 1e-3)
+    sentry: ranges.Range = ranges.span(0.3, 0.7, 1e-3)
     """Radius of what takes it [forearms]."""
-    leaves: Range = span(0.8, 0.98, 0.05, 1.0)
+    leaves: ranges.Range = ranges.span(0.8, 0.98, 0.05, 1.0)
     """Instant at which it is free, as shares of the time until the ball is there."""
-    boards: Counts = counts(0, 2)
+    boards: ranges.Counts = ranges.counts(0, 2)
     """Number of bodies at rest across the way."""
     things: Things = field(default_factory=Things)
-    share: Range = span(0.25, 0.85, most=1.0)
+    share: ranges.Range = ranges.span(0.25, 0.85, most=1.0)
     """Places of obstacles on the way, as shares of it."""
 
     def story(self, rng: np.random.Generator, stage: Stage) -> Story:
         """A ball on a cord, other pendulums, what is in the way."""
-        way, when = stage.way(rng, self.takes), pick(rng, self.when) * stage.horizon
-        bodies = list(self._pair(rng, stage, way.meet, when, pick(rng, self.target), "target", ""))
-        for k in range(pick_count(rng, self.heavy)):
-            share, radius = pick(rng, self.share), pick(rng, self.bob)
+        way, when = stage.way(rng, self.takes), ranges.pick(rng, self.when) * stage.horizon
+        bodies = list(
+            self._pair(rng, stage, way.meet, when, ranges.pick(rng, self.target), "target", "")
+        )
+        for k in range(ranges.pick_count(rng, self.heavy)):
+            share, radius = ranges.pick(rng, self.share), ranges.pick(rng, self.bob)
             place, _ = across(rng, stage, way, share)
             bodies += self._pair(rng, stage, place, share * when, radius, "bob", f" {k + 1}")
         if rng.random() < self.sentries:
-            gone = pick(rng, self.leaves) * when
+            gone = ranges.pick(rng, self.leaves) * when
             bodies.append(sentry(rng, stage, way, self.sentry, gone))
-        for k in range(pick_count(rng, self.boards)):
+        for k in range(ranges.pick_count(rng, self.boards)):
             bodies.append(aimed(rng, stage, way, self.things, self.share, f"{k + 1}", when))
         return Story(way, when, tuple(bodies))
 
@@ -88,15 +80,17 @@ class PendulumSpace(SpatialFamily):
         number: str,
     ) -> tuple[Body, Body]:
         """A ball that is at a place (3,) at a time, and its cord."""
-        length, amplitude = pick(rng, self.length), pick(rng, self.amplitude)
-        angle, heading = pick(rng, self.phase) * amplitude, pick_angle(rng)
+        length, amplitude = ranges.pick(rng, self.length), ranges.pick(rng, self.amplitude)
+        angle, heading = ranges.pick(rng, self.phase) * amplitude, ranges.pick_angle(rng)
         stiffness = stage.build.gravity / length
-        rate = pick_sign(rng) * math.sqrt(2.0 * stiffness * (math.cos(angle) - math.cos(amplitude)))
+        rate = ranges.pick_sign(rng) * math.sqrt(
+            2.0 * stiffness * (math.cos(angle) - math.cos(amplitude))
+        )
         along = (math.cos(heading), math.sin(heading), 0.0)
         motion = swing_through(
             triple(place), along, when, stage.build.gravity, length, (angle, rate)
         )
-        return ball_on_cord(motion, radius, pick(rng, self.cord), name, number)
+        return ball_on_cord(motion, radius, ranges.pick(rng, self.cord), name, number)
 
 
 def ball_on_cord(

@@ -30,28 +30,14 @@ from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
+from gcm_learn import motion
 from gcm_learn.arms import PLANAR, ByKind, Kind, SpatialArm
 from gcm_learn.errors import MissingExtraError, PlatformError
-from gcm_learn.motion import (
-    HOLE_MARGIN,
-    Failure,
-    Reason,
-    anywhere,
-    first_interception,
-    straight_path,
-)
+from gcm_learn.planners import completion
 from gcm_learn.planners.baselines import isolation
 from gcm_learn.planners.baselines.isolation import Tell, told
 from gcm_learn.planners.baselines.st_rrt_star_joints import near, task_in_space, ways_along
 from gcm_learn.planners.baselines.st_rrt_star_moves import HandTask
-from gcm_learn.planners.completion import (
-    Attempt,
-    Problem,
-    SpatialProblem,
-    Task,
-    checked,
-    finish,
-)
 from gcm_learn.planners.plan import Plan
 from gcm_learn.situation import AnySituation, Situation
 
@@ -198,38 +184,42 @@ def _forward(path: np.ndarray) -> bool:
     return bool((np.diff(path[:, -1]) >= 0.0).all())
 
 
-def _best(problem: Task, attempts: Iterable[Attempt | None]) -> Plan:
+def _best(problem: completion.Task, attempts: Iterable[completion.Attempt | None]) -> Plan:
     """The first attempt that holds, as a plan."""
-    reason: Reason | None = Reason(Failure.NO_TREE)
+    reason: motion.Reason | None = motion.Reason(motion.Failure.NO_TREE)
     for attempt in attempts:
         if attempt is None:
             continue
-        plan, reason = checked(problem, attempt)
+        plan, reason = completion.checked(problem, attempt)
         if plan is not None:
             return plan
-    return problem.answer(reason or Failure.NO_TREE)
+    return problem.answer(reason or motion.Failure.NO_TREE)
 
 
-def _finished(problem: Problem, paths: list[np.ndarray]) -> Iterator[Attempt | None]:
+def _finished(
+    problem: completion.Problem, paths: list[np.ndarray]
+) -> Iterator[completion.Attempt | None]:
     """Paths between states (n, 3), each on to a target, the last one first."""
-    return (finish(problem, *_sampled(path)) for path in reversed(paths))
+    return (completion.finish(problem, *_sampled(path)) for path in reversed(paths))
 
 
 def _sampled(path: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Hands (m, 2) and times (m,) along the straight legs between states (n, 3)."""
     hand, time = [path[:1, :2]], [path[:1, 2]]
     for before, after in pairwise(path):
-        leg = straight_path(before[:2], after[:2])
+        leg = motion.straight_path(before[:2], after[:2])
         hand.append(leg[1:])
         time.append(np.linspace(before[2], after[2], len(leg))[1:])
     return np.vstack(hand), np.concatenate(time)
 
 
-def task_of(problem: Problem, seed: int, budget_ms: float, iterations: int) -> HandTask:
+def task_of(problem: completion.Problem, seed: int, budget_ms: float, iterations: int) -> HandTask:
     """Return the search space for a planar arm, and how long to search it."""
     situation, arm, scene = problem.situation, problem.situation.arm, problem.scene
     rules = problem.rules._replace(speed=arm.max_hand_speed)
-    t, *_ = first_interception(anywhere(scene), rules, *arm.hand, 0.0, 0.0, situation.horizon)
+    t, *_ = motion.first_interception(
+        motion.anywhere(scene), rules, *arm.hand, 0.0, 0.0, situation.horizon
+    )
     nearest = math.hypot(*arm.hand)
     limb = scene.limb._replace(far=max(arm.reach, nearest))
     return HandTask(
@@ -246,11 +236,11 @@ def task_of(problem: Problem, seed: int, budget_ms: float, iterations: int) -> H
 def _hole(inner: float, nearest: float) -> float:
     """Distance that legs keep from the shoulder, given the ring's hole and the hand's distance."""
     folded = min(FOLDED, 0.5 * nearest)
-    return max(min(inner + HOLE_MARGIN, nearest * (1.0 - 1e-9)), folded)
+    return max(min(inner + motion.HOLE_MARGIN, nearest * (1.0 - 1e-9)), folded)
 
 
 _BY_KIND: ByKind[tuple[Any, Any, Any]] = ByKind(
-    {PLANAR: (Problem, task_of, _finished)},
-    default=(SpatialProblem, task_in_space, ways_along),
+    {PLANAR: (completion.Problem, task_of, _finished)},
+    default=(completion.SpatialProblem, task_in_space, ways_along),
     who="planner 'st-rrt-star'",
 )

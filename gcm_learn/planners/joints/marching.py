@@ -12,19 +12,11 @@ from gcm_learn.compiled import njit
 from gcm_learn.maps import IN_SPACE, CognitiveMap, Interception, build_map, chain_to
 from gcm_learn.motion import Failure, Movement, Reason
 from gcm_learn.planners.completion import Attempt, SpatialProblem, judged
+from gcm_learn.planners.joints import ways
 from gcm_learn.planners.joints.goals import reach
 from gcm_learn.planners.joints.moves import Study, time_of
 from gcm_learn.planners.joints.pull import met_from
 from gcm_learn.planners.joints.straight import at_once
-from gcm_learn.planners.joints.ways import (
-    MOST,
-    Way,
-    hasten,
-    new_way,
-    samples_of,
-    shorten,
-    write,
-)
 from gcm_learn.planners.plan import Plan, in_joints
 from gcm_learn.scene import Scene
 from gcm_learn.situation import AnySituation
@@ -95,16 +87,16 @@ def followed(
         found.arrival.ravel()[nodes].filled(0.0).astype(float),
     )
     body = [b.name for b in problem.situation.bodies].index(found.interception.body)
-    way, out = new_way(joints.shape[1]), new_way(joints.shape[1])
-    if len(nodes) + 2 > MOST or not lay(study, joints, times, way):
+    way, out = ways.new_way(joints.shape[1]), ways.new_way(joints.shape[1])
+    if len(nodes) + 2 > ways.MOST or not lay(study, joints, times, way):
         return None, Reason(Failure.NO_ENDING)
     wanted, last = found.interception.time, int(way.size[0]) - 1
     apart = LATER * found.chart.spacing / fastest(problem.scene)
     if not any(end(study, way, last - k, body, wanted, apart) for k in BACK if k <= last):
         return None, Reason(Failure.NO_ENDING)
-    shorten(study, way, out)
-    hasten(study, out)
-    time, path, caught = samples_of(study, out)
+    ways.shorten(study, way, out)
+    ways.hasten(study, out)
+    time, path, caught = ways.samples_of(study, out)
     attempt = Attempt(Movement(problem.situation.arm, time, path), int(caught))
     plan, verdict = judged(problem, attempt, found)
     return plan, verdict.reason
@@ -126,22 +118,22 @@ def meetings(problem: SpatialProblem, found: CognitiveMap) -> Iterator[Cognitive
 
 
 @njit(_nrt=False)
-def lay(study: Study, joints: np.ndarray, times: np.ndarray, way: Way) -> bool:
+def lay(study: Study, joints: np.ndarray, times: np.ndarray, way: ways.Way) -> bool:
     """Write the way through joints (m, dof), wanted at times (m,), as soon as limits allow.
 
     If time is left, the limb moves more slowly.  Returns whether it comes before the horizon.
     """
     limits, now = study.scene.limits, 0.0
-    write(way, 0, study.scene.limb.start, 0.0, 0.0)
+    ways.write(way, 0, study.scene.limb.start, 0.0, 0.0)
     for k in range(times.size):
         took, _ = time_of(study, way.joints[k], joints[k])
         now = max(now + took, times[k])
-        write(way, k + 1, joints[k], now, now)
+        ways.write(way, k + 1, joints[k], now, now)
     return now < limits.horizon
 
 
 @njit(_nrt=False)
-def end(study: Study, way: Way, last: int, body: int, wanted: float, later: float) -> bool:
+def end(study: Study, way: ways.Way, last: int, body: int, wanted: float, later: float) -> bool:
     """Let a way end on a body by a straight move from one of its postures.
 
     Parameters
@@ -166,7 +158,7 @@ def end(study: Study, way: Way, last: int, body: int, wanted: float, later: floa
             begin, arrive = reach(study, q, since, t, goal, t)
             if begin >= 0.0:
                 way.left[last], way.body[0] = begin, body
-                write(way, last + 1, goal, arrive, t)
+                ways.write(way, last + 1, goal, arrive, t)
                 return True
         if t >= horizon:
             break

@@ -7,18 +7,9 @@ import numpy as np
 from gcm_learn.arms.curves import hermite, on_curve, rate_of
 from gcm_learn.compiled import njit
 from gcm_learn.motion.joint_interception import first_meeting
+from gcm_learn.planners.joints import ramps
 from gcm_learn.planners.joints.moves import rest_is_free
 from gcm_learn.planners.joints.pull import pulled
-from gcm_learn.planners.joints.ramps import (
-    END_FREE,
-    GIVEN,
-    least_ramp,
-    ramp,
-    ramp_box,
-    ramp_is_free,
-    reach_ramped,
-    still_at,
-)
 from gcm_learn.planners.joints.ways import write, write_rates
 
 HALVINGS = 10  # of the time by which a catch may become earlier
@@ -32,15 +23,15 @@ def _leap(study, way, k, since, m, moves):
     """
     limits, q, r = study.scene.limits, way.joints[k], way.rates[k]
     p, v, before = way.joints[m], way.rates[m], way.reached[m]
-    if still_at(r) and still_at(v):
-        took = least_ramp(limits, q, p, GIVEN)
+    if ramps.still_at(r) and ramps.still_at(v):
+        took = ramps.least_ramp(limits, q, p, ramps.GIVEN)
         if since + took <= before:
-            pieces = ramp(limits, q, r, p, v, took, GIVEN, moves)
-            if pieces > 0 and ramp_is_free(study, moves, pieces, since):
+            pieces = ramps.ramp(limits, q, r, p, v, took, ramps.GIVEN, moves)
+            if pieces > 0 and ramps.ramp_is_free(study, moves, pieces, since):
                 if rest_is_free(study, p, since + took, before):
                     return since + took
-    pieces = ramp(limits, q, r, p, v, before - since, GIVEN, moves)
-    if pieces > 0 and ramp_is_free(study, moves, pieces, since):
+    pieces = ramps.ramp(limits, q, r, p, v, before - since, ramps.GIVEN, moves)
+    if pieces > 0 and ramps.ramp_is_free(study, moves, pieces, since):
         return before
     return -1.0
 
@@ -55,13 +46,13 @@ def shorten_ramped(study, way, moves, out):
         write(out, n, way.joints[k], since, since)
         write_rates(out, n, way.rates[k], way.free[k])
         n += 1
-        begin, arrive = reach_ramped(
+        begin, arrive = ramps.reach_ramped(
             study, way.joints[k], way.rates[k], since,
-            way.joints[last], way.rates[last], end, END_FREE, moves,
+            way.joints[last], way.rates[last], end, ramps.END_FREE, moves,
         )  # fmt: skip
         if begin >= 0.0 or k + 1 == last:
             if begin >= 0.0:
-                out.free[n - 1] = END_FREE
+                out.free[n - 1] = ramps.END_FREE
             out.left[n - 1] = begin if begin >= 0.0 else way.left[k]
             write(out, n, way.joints[last], arrive if begin >= 0.0 else way.reached[last], end)
             return
@@ -70,7 +61,7 @@ def shorten_ramped(study, way, moves, out):
             found = _leap(study, way, k, since, m, moves)
             m -= 1
         if found >= 0.0:
-            k, since, out.free[n - 1] = m + 1, found, GIVEN
+            k, since, out.free[n - 1] = m + 1, found, ramps.GIVEN
         else:
             out.left[n - 1] = way.left[k]
             k, since = k + 1, way.reached[k + 1]
@@ -84,16 +75,16 @@ def hasten_ramped(study, way, moves):
     low, t = since, way.left[k + 1]
     for _ in range(HALVINGS):
         middle = 0.5 * (low + t)
-        ramp_box(study, q, r, middle - since)
+        ramps.ramp_box(study, q, r, middle - since)
         for j in range(goal.size):
             goal[j] = min(max(p[j], study.low[j]), study.high[j])
         pieces = 0
         if pulled(study, way.body[0], middle, goal):
-            pieces = ramp(scene.limits, q, r, goal, r, middle - since, END_FREE, moves)
-        if pieces > 0 and ramp_is_free(study, moves, pieces, since):
+            pieces = ramps.ramp(scene.limits, q, r, goal, r, middle - since, ramps.END_FREE, moves)
+        if pieces > 0 and ramps.ramp_is_free(study, moves, pieces, since):
             t = middle
             write(way, k + 1, goal, t, t)
-            way.left[k], way.free[k] = since, END_FREE
+            way.left[k], way.free[k] = since, ramps.END_FREE
         else:
             low = middle
 
@@ -122,7 +113,7 @@ def ramped_samples(study, way, moves):
             time[n], joints[n], rates[n] = way.left[k], way.joints[k], way.rates[k]
             n += 1
         span = way.reached[k + 1] - way.left[k]
-        pieces = ramp(
+        pieces = ramps.ramp(
             study.scene.limits, way.joints[k], way.rates[k], way.joints[k + 1],
             way.rates[k + 1], span, way.free[k], moves,
         )  # fmt: skip

@@ -13,6 +13,7 @@ from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from PIL import Image
 
+from gcm_learn import rendering
 from gcm_learn.arms import SPATIAL, ByKind, links_along, rotation_of
 from gcm_learn.families import CAPTION_INSTANTS, KAPPA
 from gcm_learn.motion import Movement
@@ -25,22 +26,6 @@ from gcm_learn.plots.figures.film import (
     write_film,
 )
 from gcm_learn.plots.figures.scenery import Scenery, key_below
-from gcm_learn.rendering import (
-    LINE,
-    SAMPLES,
-    Camera,
-    Faces,
-    JointSituation,
-    Window,
-    arm_faces,
-    body_faces,
-    body_poses,
-    from_above,
-    placed,
-    tube_faces,
-    turned_view,
-    view_of,
-)
 from gcm_learn.scene import gap, pack_bodies
 
 if TYPE_CHECKING:
@@ -62,7 +47,7 @@ FINE = 1e-4  # [m] what is less is not told more exactly
 
 
 def animate_execution(
-    situation: JointSituation,
+    situation: rendering.JointSituation,
     done: Execution,
     path: str | Path,
     *,
@@ -107,9 +92,9 @@ class Replay(Scenery):
 
     def __init__(
         self,
-        situation: JointSituation,
+        situation: rendering.JointSituation,
         done: Execution,
-        view: Camera | None = None,
+        view: rendering.Camera | None = None,
         *,
         turns: bool = True,
     ) -> None:
@@ -130,19 +115,25 @@ class Replay(Scenery):
             if known:
                 place = touched_at(situation, name, t, self.moves.joints_at(t))
             self.mark = (t, place, HIT, f"touches {name!r} at {t:.3f} s")
-        super().__init__(situation, self.moves, view or view_of(situation, until), turns=turns)
-        self.window = Window(self.window.middle, WIDER * self.window.half)
+        super().__init__(
+            situation, self.moves, view or rendering.view_of(situation, until), turns=turns
+        )
+        self.window = rendering.Window(self.window.middle, WIDER * self.window.half)
 
-    def at(self, t: float) -> list[Faces]:
+    def at(self, t: float) -> list[rendering.Faces]:
         """Everything at time t [s], with the ways of hand and target until then."""
         arm = self.situation.arm
-        things = list(body_faces(self.situation, t, roles=("obstacle",)))
-        things += [*self._targets(t), *arm_faces(arm, self.moves.joints_at(t))]
+        things = list(rendering.body_faces(self.situation, t, roles=("obstacle",)))
+        things += [*self._targets(t), *rendering.arm_faces(arm, self.moves.joints_at(t))]
         if t > 0.0:
-            times = np.linspace(0.0, t, SAMPLES)
-            things += tube_faces(self.moves.hand_at(times), times / self.end, LINE * arm.reach)
+            times = np.linspace(0.0, t, rendering.SAMPLES)
+            things += rendering.tube_faces(
+                self.moves.hand_at(times), times / self.end, rendering.LINE * arm.reach
+            )
             for way in self.places(times):
-                things += tube_faces(way, times / self.end, 0.8 * LINE * arm.reach, dashed=True)
+                things += rendering.tube_faces(
+                    way, times / self.end, 0.8 * rendering.LINE * arm.reach, dashed=True
+                )
         return things
 
     def show(self, ax: Axes, t: float, turn: float = 0.0, pixels: int = 720) -> None:
@@ -150,7 +141,7 @@ class Replay(Scenery):
         super().show(ax, t, turn, pixels)
         if self.mark is None or t < self.mark[0] - 1e-9:
             return
-        x, y, _ = turned_view(self.view, turn).see(self.mark[1])
+        x, y, _ = rendering.turned_view(self.view, turn).see(self.mark[1])
         ax.plot(
             x, y, "o", ms=26, mfc="none", mec=self.mark[2], mew=2.2, zorder=18,
             path_effects=[style.HALO],
@@ -160,7 +151,7 @@ class Replay(Scenery):
         """Return the centres (m, k, 3) of the targets in the simulation, in the world."""
         return np.swapaxes(logged_targets(self.situation, self.plant, self.step, times)[0], 0, 1)
 
-    def _targets(self, t: float) -> Iterator[Faces]:
+    def _targets(self, t: float) -> Iterator[rendering.Faces]:
         targets = [body for body in self.situation.bodies if body.role == "target"]
         place, turn = logged_targets(self.situation, self.plant, self.step, np.array([t]))
         taken = {catch.body for catch in self.done.catches[:-1] if catch.time < t}
@@ -168,11 +159,11 @@ class Replay(Scenery):
             if body.name in taken:
                 continue
             colour = np.array(to_rgb(style.TARGET))
-            yield placed(body.shape, place[0, k], turn[0, k], colour)  # type: ignore[arg-type]
+            yield rendering.placed(body.shape, place[0, k], turn[0, k], colour)  # type: ignore[arg-type]
 
 
 def logged_targets(
-    situation: JointSituation, plant: PhysicalPlant, step: float, times: np.ndarray
+    situation: rendering.JointSituation, plant: PhysicalPlant, step: float, times: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Places (k, m, 3) and turns of the targets at the steps nearest to times (k,)."""
     rows = np.clip(np.rint(times / step).astype(int), 0, plant.steps)
@@ -183,10 +174,12 @@ def logged_targets(
     return log[..., :3] / plant.body.metres @ turn.T + base.origin, turns
 
 
-def touched_at(situation: JointSituation, name: str, t: float, joints: np.ndarray) -> np.ndarray:
+def touched_at(
+    situation: rendering.JointSituation, name: str, t: float, joints: np.ndarray
+) -> np.ndarray:
     """The point (3,) of the bones that is nearest to a body at time t [s]."""
     k = [body.name for body in situation.bodies].index(name)
-    centres, turns = body_poses(situation, [t])
+    centres, turns = rendering.body_poses(situation, [t])
     share = np.linspace(0.0, 1.0, 60)[:, None]
     ends, _ = links_along(situation.arm, joints)
     bones = np.concatenate([a + share * (b - a) for a, b in ends[0]])
@@ -200,7 +193,7 @@ def _frames(replay: Replay, frames: int, views: int) -> Iterator[Image.Image]:
     figure = style.new_figure(WIDTH, HEIGHT)
     figure.set_dpi(FILM_DPI)
     panels = figure.subplots(1, 2)
-    above = Replay(replay.situation, replay.done, from_above(replay.view), turns=False)
+    above = Replay(replay.situation, replay.done, rendering.from_above(replay.view), turns=False)
     for ax, seen, name in zip(
         panels, (replay, above), ("from the side", "from above"), strict=True
     ):
@@ -252,7 +245,7 @@ def _millimetres(length: float) -> str:
     return f"{MILLI * length:.1f} mm" if length >= FINE else "under 0.1 mm"
 
 
-def execution_figure(situation: JointSituation, done: Execution) -> Figure:
+def execution_figure(situation: rendering.JointSituation, done: Execution) -> Figure:
     """Draw an execution: the arm at instants, the hand's way beside its plan, error and torque.
 
     Parameters
@@ -285,7 +278,10 @@ def execution_figure(situation: JointSituation, done: Execution) -> Figure:
 
 def _draw_ways(ax: Axes, replay: Replay, end: float) -> None:
     """Draw the hand's way over the planned one, and how the target went on."""
-    times, after = np.linspace(0.0, end, SAMPLES), np.linspace(end, replay.end, SAMPLES)
+    times, after = (
+        np.linspace(0.0, end, rendering.SAMPLES),
+        np.linspace(end, replay.end, rendering.SAMPLES),
+    )
     plan = replay.done.plan
     assert plan is not None
     for points, colour, width, dash, label in (

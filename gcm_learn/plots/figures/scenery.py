@@ -18,42 +18,14 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, Patch
 
+from gcm_learn import rendering
 from gcm_learn.arms import hands_along
 from gcm_learn.plots.figures import style
-from gcm_learn.rendering import (
-    APPROACH,
-    AWAY,
-    HAND,
-    PIXELS,
-    SAMPLES,
-    SHADES,
-    TIME,
-    Camera,
-    Faces,
-    JointSituation,
-    TargetWay,
-    Window,
-    arm_faces,
-    body_colour,
-    body_faces,
-    body_poses,
-    centred,
-    drawn_scale,
-    floor_of,
-    limb_along,
-    path_faces,
-    staged,
-    target_paths,
-    target_way,
-    turned_view,
-    view_of,
-    window_of,
-)
 
 if TYPE_CHECKING:
     from gcm_learn.motion import Movement
 
-TIME_COLOURS = LinearSegmentedColormap.from_list("time", TIME, N=SHADES)
+TIME_COLOURS = LinearSegmentedColormap.from_list("time", rendering.TIME, N=rendering.SHADES)
 GHOSTS = 4  # instants at which the arm is drawn, the last one being the catch
 PALEST = 0.15  # alpha of the earliest
 RIM = 0.6  # alpha of the rims of targets
@@ -65,7 +37,10 @@ EYES = 2.0  # distance of a film's eye, in that of the farthest target
 
 
 def draw_start(
-    ax: Axes, situation: JointSituation, view: Camera | None = None, pixels: int = PIXELS
+    ax: Axes,
+    situation: rendering.JointSituation,
+    view: rendering.Camera | None = None,
+    pixels: int = rendering.PIXELS,
 ) -> Axes:
     """Draw arm and bodies at t = 0.
 
@@ -80,14 +55,21 @@ def draw_start(
     pixels : int
         Of a side.
     """
-    view = view or view_of(situation)
-    things = [*body_faces(situation, 0.0), *arm_faces(situation.arm, situation.arm.joints)]
-    window = window_of(situation, view, things)
-    show_image(ax, staged(view, window, floor_of(situation, things), things, pixels), window)
+    view = view or rendering.view_of(situation)
+    things = [
+        *rendering.body_faces(situation, 0.0),
+        *rendering.arm_faces(situation.arm, situation.arm.joints),
+    ]
+    window = rendering.window_of(situation, view, things)
+    show_image(
+        ax,
+        rendering.staged(view, window, rendering.floor_of(situation, things), things, pixels),
+        window,
+    )
     return ax
 
 
-def show_image(ax: Axes, image: np.ndarray, window: Window) -> None:
+def show_image(ax: Axes, image: np.ndarray, window: rendering.Window) -> None:
     """Show an image in axes that have its camera's coordinates."""
     ax.imshow(
         image, origin="lower", extent=window.extent, zorder=1, interpolation="antialiased"
@@ -97,18 +79,20 @@ def show_image(ax: Axes, image: np.ndarray, window: Window) -> None:
     ax.axis("off")
 
 
-def draw_courses(ax: Axes, situation: JointSituation, end: float, view: Camera) -> None:
+def draw_courses(
+    ax: Axes, situation: rendering.JointSituation, end: float, view: rendering.Camera
+) -> None:
     """Draw an arrow along the path of every body that moves until `end` [s]."""
-    centres, _ = body_poses(situation, np.linspace(0.0, end, SAMPLES))
+    centres, _ = rendering.body_poses(situation, np.linspace(0.0, end, rendering.SAMPLES))
     for k, body in enumerate(situation.bodies):
         if np.ptp(centres[:, k], axis=0).max() < 0.05 * situation.arm.reach:
             continue
         path = view.see(centres[:, k])
         ax.plot(
-            *path[:, :2].T, color=body_colour(body), lw=1.2, ls=(0, (2, 1.5)), zorder=4,
+            *path[:, :2].T, color=rendering.body_colour(body), lw=1.2, ls=(0, (2, 1.5)), zorder=4,
             path_effects=[style.HALO],
         )  # fmt: skip
-        style.arrow(ax, path[-2, :2], path[-1, :2], body_colour(body))
+        style.arrow(ax, path[-2, :2], path[-1, :2], rendering.body_colour(body))
 
 
 class Scenery:
@@ -132,9 +116,9 @@ class Scenery:
 
     def __init__(
         self,
-        situation: JointSituation,
+        situation: rendering.JointSituation,
         trajectory: Movement | None = None,
-        view: Camera | None = None,
+        view: rendering.Camera | None = None,
         *,
         turns: bool = False,
     ) -> None:
@@ -143,71 +127,73 @@ class Scenery:
         self.way = self._way()
         held = [part for t in np.linspace(0.0, self.end, HELD) for part in self._held(t)]
         held.append(self.way.faces(self.way.near))
-        seen = centred(situation, view or view_of(situation, trajectory), held)
+        seen = rendering.centred(situation, view or rendering.view_of(situation, trajectory), held)
         far = float(np.linalg.norm(self.way.corners - seen.centre, axis=-1).max())
         self.view = replace(seen, distance=max(seen.distance, EYES * far))
-        views = [turned_view(self.view, turn) for turn in range(0, 360, 30 if turns else 360)]
-        half = max(window_of(situation, view, held).reach for view in views)
-        self.window = Window(np.zeros(2), half)
-        self.floor = floor_of(situation, [*held, self.way.faces()])
+        views = [
+            rendering.turned_view(self.view, turn) for turn in range(0, 360, 30 if turns else 360)
+        ]
+        half = max(rendering.window_of(situation, view, held).reach for view in views)
+        self.window = rendering.Window(np.zeros(2), half)
+        self.floor = rendering.floor_of(situation, [*held, self.way.faces()])
         self.held = held
         self._drawn: tuple[float, float, int, np.ndarray] = (-1.0, 0.0, 0, np.empty(0))
 
     def places(self, times: np.ndarray) -> np.ndarray:
         """Return the centres (m, k, 3) of the targets at times (k,) [s], in the world."""
-        return target_paths(self.situation, times)
+        return rendering.target_paths(self.situation, times)
 
-    def _way(self) -> TargetWay:
+    def _way(self) -> rendering.TargetWay:
         """Return the way of the target to which the hand comes nearest."""
-        times, arm = np.linspace(0.0, self.end, SAMPLES), self.situation.arm
+        times, arm = np.linspace(0.0, self.end, rendering.SAMPLES), self.situation.arm
         moves = self.trajectory
         hands = hands_along(arm, arm.joints)[0] if moves is None else moves.hand_at(times)
-        return target_way(self.situation, times, self.places(times), hands)
+        return rendering.target_way(self.situation, times, self.places(times), hands)
 
-    def _held(self, t: float) -> Iterator[Faces]:
+    def _held(self, t: float) -> Iterator[rendering.Faces]:
         """Yield what the picture holds of time t [s]: things near the arm, obstacles whole."""
         arm = self.situation.arm
         base = np.asarray(arm.base.origin)
         for thing in self.at(t):
             away = np.linalg.norm(thing.corners - base, axis=2) / arm.reach
-            yield thing._replace(kept=bool(away.min() < AWAY and away.max() < WHOLE))
+            yield thing._replace(kept=bool(away.min() < rendering.AWAY and away.max() < WHOLE))
 
-    def window_at(self, t: float) -> Window:
+    def window_at(self, t: float) -> rendering.Window:
         """Return the part of the picture at time t [s], larger while the target is far away."""
         ahead = self.way.reach_seen(self.view, t) + MARGIN * self.situation.arm.reach
-        return Window(self.window.middle, max(self.window.half, ahead))
+        return rendering.Window(self.window.middle, max(self.window.half, ahead))
 
-    def at(self, t: float) -> list[Faces]:
+    def at(self, t: float) -> list[rendering.Faces]:
         """Return everything at time t [s], with the paths of hand and target until then."""
-        things = list(body_faces(self.situation, t))
+        things = list(rendering.body_faces(self.situation, t))
         if self.trajectory is None:
-            return things + arm_faces(self.situation.arm, self.situation.arm.joints)
-        things += arm_faces(self.situation.arm, self.trajectory.joints_at(t))
+            return things + rendering.arm_faces(self.situation.arm, self.situation.arm.joints)
+        things += rendering.arm_faces(self.situation.arm, self.trajectory.joints_at(t))
         if t > 0.0:
-            things += path_faces(self.situation, self.trajectory, t)
+            things += rendering.path_faces(self.situation, self.trajectory, t)
         return things
 
     def show_world(self, ax: Axes, t: float) -> None:
         """Draw the bodies at time t [s], and the arm as it was at t = 0."""
         arm = self.situation.arm
-        things = [*body_faces(self.situation, t), *arm_faces(arm, arm.joints)]
+        things = [*rendering.body_faces(self.situation, t), *rendering.arm_faces(arm, arm.joints)]
         window = self.window_at(t)
-        show_image(ax, staged(self.view, window, self.floor, things), window)
+        show_image(ax, rendering.staged(self.view, window, self.floor, things), window)
 
-    def show(self, ax: Axes, t: float, turn: float = 0.0, pixels: int = PIXELS) -> None:
+    def show(self, ax: Axes, t: float, turn: float = 0.0, pixels: int = rendering.PIXELS) -> None:
         """Draw time t [s], from a camera that is turned about the vertical [degrees]."""
         if self._drawn[:3] != (t, turn, pixels):
-            view, things = turned_view(self.view, turn), self.at(t)
-            image = staged(view, self.window_at(t), self.floor, things, pixels)
+            view, things = rendering.turned_view(self.view, turn), self.at(t)
+            image = rendering.staged(view, self.window_at(t), self.floor, things, pixels)
             self._drawn = (t, turn, pixels, image)
         show_image(ax, self._drawn[3], self.window_at(t))
         self._show_targets(ax, t, turn)
 
     def _show_targets(self, ax: Axes, t: float, turn: float) -> None:
         """Draw the rims of the targets over what hides them; far ones as discs."""
-        view, smallest = turned_view(self.view, turn), SEEN * self.window_at(t).half
+        view, smallest = rendering.turned_view(self.view, turn), SEEN * self.window_at(t).half
         for body, place in zip(self.situation.targets, self.places(np.array([t])), strict=True):
-            radius = drawn_scale(self.situation, body) * body.shape.bounding_radius
+            radius = rendering.drawn_scale(self.situation, body) * body.shape.bounding_radius
             (x, y, _), (side, _, _) = view.see(place[0] + np.outer((0.0, radius), view.right))
             far = side - x < smallest
             disc = Circle((x, y), max(side - x, smallest), fill=far, color=style.TARGET, lw=0.8)
@@ -217,39 +203,43 @@ class Scenery:
 
 def draw_poses(
     ax: Axes,
-    situation: JointSituation,
+    situation: rendering.JointSituation,
     trajectory: Movement,
-    view: Camera | None = None,
+    view: rendering.Camera | None = None,
     *,
     count: int = GHOSTS,
-    pixels: int = PIXELS,
+    pixels: int = rendering.PIXELS,
 ) -> Axes:
     """Draw a movement: the arm at several instants, later ones darker, with the hand's path.
 
     Bodies are as at the end; paler ones show where they were before.
     """
-    view = view or view_of(situation, trajectory)
+    view = view or rendering.view_of(situation, trajectory)
     end = trajectory.duration
-    things = [*path_faces(situation, trajectory)]
+    things = [*rendering.path_faces(situation, trajectory)]
     moments = _moments(situation, trajectory, count)
     for t, alpha in zip(moments, [*np.linspace(PALEST, 0.5, len(moments) - 1), 1.0], strict=True):
-        things += body_faces(situation, t, alpha)
-        things += arm_faces(situation.arm, trajectory.joints_at(t), alpha)
-    window = window_of(situation, view, things)
-    show_image(ax, staged(view, window, floor_of(situation, things), things, pixels), window)
-    show_through(ax, view, trajectory.hand_at(np.linspace(0.0, end, SAMPLES)))
+        things += rendering.body_faces(situation, t, alpha)
+        things += rendering.arm_faces(situation.arm, trajectory.joints_at(t), alpha)
+    window = rendering.window_of(situation, view, things)
+    show_image(
+        ax,
+        rendering.staged(view, window, rendering.floor_of(situation, things), things, pixels),
+        window,
+    )
+    show_through(ax, view, trajectory.hand_at(np.linspace(0.0, end, rendering.SAMPLES)))
     return ax
 
 
-def _moments(situation: JointSituation, trajectory: Movement, count: int) -> np.ndarray:
+def _moments(situation: rendering.JointSituation, trajectory: Movement, count: int) -> np.ndarray:
     """Return instants evenly over the movement; fewer where the hand hardly moves."""
     arm = situation.arm
-    thin = limb_along(arm, np.atleast_2d(arm.joints)).radii.min()
-    fitting = 1 + int(trajectory.length / (3.0 * HAND * thin))
+    thin = rendering.limb_along(arm, np.atleast_2d(arm.joints)).radii.min()
+    fitting = 1 + int(trajectory.length / (3.0 * rendering.HAND * thin))
     return np.linspace(0.0, trajectory.duration, min(max(fitting, 2), count))
 
 
-def show_through(ax: Axes, view: Camera, path: np.ndarray, alpha: float = 0.4) -> None:
+def show_through(ax: Axes, view: rendering.Camera, path: np.ndarray, alpha: float = 0.4) -> None:
     """Draw a path (k, 3) once more over everything; faint, so that what hides it shows."""
     seen = view.see(path)[:, :2]
     shades = TIME_COLOURS(np.linspace(0.0, 1.0, len(seen) - 1))
@@ -273,7 +263,7 @@ def time_bar(ax: Axes, end: float) -> None:
         )  # fmt: skip
 
 
-def key_below(figure: Figure, situation: JointSituation) -> None:
+def key_below(figure: Figure, situation: rendering.JointSituation) -> None:
     """Explain the colours below pictures of movements."""
     tint = TIME_COLOURS(0.65)
     handles: list[Patch | Line2D] = [
@@ -284,7 +274,7 @@ def key_below(figure: Figure, situation: JointSituation) -> None:
         Line2D([], [], color=tint, lw=2.0, ls=(0, (2, 1)), label="target's path"),
     ]
     if any(body.approach is not None for body in situation.bodies):
-        handles[2:2] = [Patch(color=APPROACH, label="approach")]
+        handles[2:2] = [Patch(color=rendering.APPROACH, label="approach")]
     figure.legend(
         handles=handles, loc="outside lower center", ncols=len(handles), fontsize=style.SMALL,
         frameon=False, labelcolor=style.INK, handlelength=1.6, columnspacing=1.4,

@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
+from gcm_learn import rendering
 from gcm_learn.arms import hands_along
 from gcm_learn.plots.figures import style
 from gcm_learn.plots.figures.hand_ball import HandSpace, ball_window, fills_ball
@@ -24,22 +25,6 @@ from gcm_learn.plots.figures.scenery import (
     time_bar,
 )
 from gcm_learn.plots.figures.style import Panel, Scene
-from gcm_learn.rendering import (
-    LINE,
-    PIXELS,
-    SAMPLES,
-    Camera,
-    Faces,
-    JointSituation,
-    Window,
-    arm_faces,
-    body_faces,
-    from_above,
-    staged,
-    target_paths,
-    tube,
-    view_of,
-)
 
 if TYPE_CHECKING:
     from gcm_learn.maps import CognitiveMap
@@ -67,28 +52,28 @@ class Stage:
     turns = True
     waiting = 0.0
 
-    def __init__(self, situation: JointSituation, plan: Plan | None = None) -> None:
+    def __init__(self, situation: rendering.JointSituation, plan: Plan | None = None) -> None:
         self.situation, self.plan = situation, plan
         self.trajectory: Any = None if plan is None else plan.trajectory
         self.map = plan.map if plan is not None and fills_ball(plan.map) else None
 
     @cached_property
-    def view(self) -> Camera:
+    def view(self) -> rendering.Camera:
         """Camera that sees arm and hand's path from the side."""
-        return view_of(self.situation, self.trajectory)
+        return rendering.view_of(self.situation, self.trajectory)
 
     def panels(self) -> list[Panel]:
         """Return the movement from the side and from above, and the map."""
         panels = [
             self._side(view, name)
-            for view, name in zip((self.view, from_above(self.view)), SIDES, strict=True)
+            for view, name in zip((self.view, rendering.from_above(self.view)), SIDES, strict=True)
         ]
         if self.map is not None:
             hands = HandSpace(self.situation, self.map, self.trajectory, self.view)
             panels.append(("hand-space: cognitive map, cut open", hands.show_map))
         return panels
 
-    def _side(self, view: Camera, name: str) -> Panel:
+    def _side(self, view: rendering.Camera, name: str) -> Panel:
         if self.trajectory is not None:
             return name, lambda ax: self.draw_movement(ax, view=view)
         end = self.situation.horizon
@@ -99,14 +84,21 @@ class Stage:
         key_below(figure, self.situation)
 
     def draw_start(
-        self, ax: Axes, end: float, pixels: int = PIXELS, *, view: Camera | None = None
+        self,
+        ax: Axes,
+        end: float,
+        pixels: int = rendering.PIXELS,
+        *,
+        view: rendering.Camera | None = None,
     ) -> None:
         """Draw t = 0, and where bodies go until `end` [s]."""
         view = view or self.view
         draw_start(ax, self.situation, view, pixels)
         draw_courses(ax, self.situation, end, view)
 
-    def draw_movement(self, ax: Axes, pixels: int = PIXELS, *, view: Camera | None = None) -> None:
+    def draw_movement(
+        self, ax: Axes, pixels: int = rendering.PIXELS, *, view: rendering.Camera | None = None
+    ) -> None:
         """Draw the arm and the bodies at several instants over each other."""
         draw_poses(ax, self.situation, self.trajectory, view or self.view, pixels=pixels)
         time_bar(ax, self.trajectory.duration)
@@ -125,7 +117,7 @@ class Stage:
         The second one shows hand-space where there is a map of it, else the arm from above.
         """
         level = Scenery(self.situation, self.trajectory, turns=True)
-        above = Scenery(self.situation, self.trajectory, from_above(level.view))
+        above = Scenery(self.situation, self.trajectory, rendering.from_above(level.view))
         charted = self.map is not None
         windows = (level.window, ball_window(self.situation) if charted else above.window)
         names = ("work-space", "hand-space" if charted else "from above")
@@ -172,7 +164,7 @@ class MissedStage:
     """
 
     def __init__(
-        self, situation: JointSituation, movement: Any, example: Any, touches: bool
+        self, situation: rendering.JointSituation, movement: Any, example: Any, touches: bool
     ) -> None:
         self.situation, self.example = situation, example
 
@@ -184,10 +176,12 @@ class MissedStage:
     @property
     def resting_until(self) -> float:
         """Time at which a target's centre is nearest to the hand of the resting arm [s]."""
-        times = np.linspace(0.0, self.situation.horizon, SAMPLES)
+        times = np.linspace(0.0, self.situation.horizon, rendering.SAMPLES)
         arm = self.situation.arm
         hand = hands_along(arm, arm.joints)[0]
-        away = np.linalg.norm(target_paths(self.situation, times) - hand, axis=2).min(axis=0)
+        away = np.linalg.norm(rendering.target_paths(self.situation, times) - hand, axis=2).min(
+            axis=0
+        )
         return float(times[away.argmin()])
 
     def show(self, ax: Axes, t: float, pixels: int, end: float) -> None:
@@ -197,20 +191,22 @@ class MissedStage:
 
     def show_end(self, ax: Axes, t: float, pixels: int) -> None:
         """Draw time t [s], and where bodies come from."""
-        before = list(body_faces(self.situation, 0.0, BEFORE))
+        before = list(rendering.body_faces(self.situation, 0.0, BEFORE))
         window = self.scenery.window
         show_image(ax, self._image([*before, *self._at(t)], pixels, window), window)
         draw_courses(ax, self.situation, t, self.scenery.view)
 
-    def _image(self, things: list[Faces], pixels: int, window: Window) -> np.ndarray:
-        return staged(self.scenery.view, window, self.scenery.floor, things, pixels)
+    def _image(
+        self, things: list[rendering.Faces], pixels: int, window: rendering.Window
+    ) -> np.ndarray:
+        return rendering.staged(self.scenery.view, window, self.scenery.floor, things, pixels)
 
-    def _at(self, t: float) -> list[Faces]:
+    def _at(self, t: float) -> list[rendering.Faces]:
         arm, example, grey = self.situation.arm, self.example, np.array(to_rgb(style.FAINT))
-        things = [*body_faces(self.situation, t), *arm_faces(arm, arm.joints)]
+        things = [*rendering.body_faces(self.situation, t), *rendering.arm_faces(arm, arm.joints)]
         if example is None:
             return things
-        path = example.hand_at(np.linspace(0.0, example.duration, SAMPLES))
-        things.append(Faces(tube(path, LINE * arm.reach), grey))
-        moved = arm_faces(arm, example.joints_at(t), OTHER)
+        path = example.hand_at(np.linspace(0.0, example.duration, rendering.SAMPLES))
+        things.append(rendering.Faces(rendering.tube(path, rendering.LINE * arm.reach), grey))
+        moved = rendering.arm_faces(arm, example.joints_at(t), OTHER)
         return things + [part._replace(colours=grey) for part in moved]

@@ -9,31 +9,13 @@ import numpy as np
 from markupsafe import Markup
 from matplotlib.colors import to_hex
 
+from gcm_learn import rendering
 from gcm_learn.errors import MissingExtraError
 from gcm_learn.maps import CognitiveMap
 from gcm_learn.plots.figures import style
 from gcm_learn.plots.figures.hand_ball import effective_skin, fills_ball
 from gcm_learn.plots.figures.scenery import TIME_COLOURS, Scenery
 from gcm_learn.plots.reports.page import fill
-from gcm_learn.rendering import (
-    APPROACH,
-    JointSituation,
-    TargetWay,
-    approach_corners,
-    balls_of,
-    body_colour,
-    body_poses,
-    bone_pose,
-    bone_shape,
-    box_of,
-    drawn_scale,
-    faces,
-    floor_of,
-    ground_of,
-    has_edges,
-    limb_along,
-    target_paths,
-)
 from gcm_learn.situation import Sphere
 
 if TYPE_CHECKING:
@@ -49,11 +31,11 @@ SPARE = 1.04  # times the distance from which all is just in the picture
 KEY = tuple(entry for entry in style.KEY if entry[1] in ("arm", "obstacle", "target"))
 MISSED = "#a8a2b8"
 NOT_CAUGHT = ((MISSED, "target that is not caught"),)
-APPROACHED = ((APPROACH, "approach of a target"),)
+APPROACHED = ((rendering.APPROACH, "approach of a target"),)
 IN_HANDS = ((style.EFFECTIVE, "effective obstacle, in hand-space"),)
 
 
-def write_film_page(situation: JointSituation, plan: Plan, path: str | Path) -> Path:
+def write_film_page(situation: rendering.JointSituation, plan: Plan, path: str | Path) -> Path:
     """Write a page that shows a plan; it needs no other files.
 
     Parameters
@@ -91,7 +73,7 @@ def write_film_page(situation: JointSituation, plan: Plan, path: str | Path) -> 
     return path
 
 
-def _key(situation: JointSituation, data: dict[str, Any]) -> tuple[tuple[str, str], ...]:
+def _key(situation: rendering.JointSituation, data: dict[str, Any]) -> tuple[tuple[str, str], ...]:
     """Return colours and what they mean."""
     approached = any(body.approach is not None for body in situation.bodies)
     missed = any(solid["colour"] == MISSED for solid in data["solids"])
@@ -110,7 +92,7 @@ def plotly_script() -> str:
     return script
 
 
-def page_data(situation: JointSituation, plan: Plan) -> dict[str, Any]:
+def page_data(situation: rendering.JointSituation, plan: Plan) -> dict[str, Any]:
     """Collect rigid solids with their poses over time, and paths, for the page to draw.
 
     Returns
@@ -134,8 +116,8 @@ def page_data(situation: JointSituation, plan: Plan) -> dict[str, Any]:
     caught = _caught(situation, plan)
     solids = [*_bodies(situation, times, caught), *_limb(situation, moves, times)]
     scenery = Scenery(situation, moves)
-    box = np.stack(box_of(situation, scenery.held), axis=1)
-    box[2, 0] = floor_of(situation, scenery.held)
+    box = np.stack(rendering.box_of(situation, scenery.held), axis=1)
+    box[2, 0] = rendering.floor_of(situation, scenery.held)
     return {
         "times": _short(times),
         "solids": solids,
@@ -153,7 +135,7 @@ def page_data(situation: JointSituation, plan: Plan) -> dict[str, Any]:
     }
 
 
-def _zoom(way: TargetWay, times: np.ndarray, box: np.ndarray) -> np.ndarray:
+def _zoom(way: rendering.TargetWay, times: np.ndarray, box: np.ndarray) -> np.ndarray:
     """Return factors (k,) by which a box (3, 2) holds the target's way from times (k,) on."""
     corners = way.corners.reshape(len(way.times), -1, 3)
     away = np.abs(corners - box.mean(axis=1)) / (0.5 * np.ptp(box, axis=1))
@@ -176,7 +158,7 @@ def _eye(scenery: Scenery, box: np.ndarray) -> np.ndarray:
     return eye
 
 
-def _caught(situation: JointSituation, plan: Plan) -> dict[str, float] | None:
+def _caught(situation: rendering.JointSituation, plan: Plan) -> dict[str, float] | None:
     """Return when targets are caught [s], by name, where several are wanted; else None."""
     if situation.catch == "any" or plan.trajectory is None:
         return None
@@ -184,49 +166,57 @@ def _caught(situation: JointSituation, plan: Plan) -> dict[str, float] | None:
 
 
 def _bodies(
-    situation: JointSituation, times: np.ndarray, caught: dict[str, float] | None
+    situation: rendering.JointSituation, times: np.ndarray, caught: dict[str, float] | None
 ) -> list[dict[str, Any]]:
     """Return the bodies, and the arrows of their approaches."""
-    (centres, turns), ground = body_poses(situation, times), ground_of(situation)
+    (centres, turns), ground = (
+        rendering.body_poses(situation, times),
+        rendering.ground_of(situation),
+    )
     out = []
     for k, body in enumerate(situation.bodies):
         seen: dict[str, Any] = {"hands": body.role == "target"}
         missed = caught is not None and body.role == "target" and body.name not in caught
         if caught is not None and body.name in caught:
             seen["until"] = caught[body.name]
-        flat = has_edges(body.shape)  # type: ignore[arg-type]
-        corners = drawn_scale(situation, body) * faces(body.shape, np.inf)  # type: ignore[arg-type]
+        flat = rendering.has_edges(body.shape)  # type: ignore[arg-type]
+        corners = rendering.drawn_scale(situation, body) * rendering.faces(body.shape, np.inf)  # type: ignore[arg-type]
         poses = (centres[:, k], turns[:, k])
         level = ground is not None and body is ground.body
-        colour = GROUND if level else MISSED if missed else body_colour(body)
+        colour = GROUND if level else MISSED if missed else rendering.body_colour(body)
         out.append(_solid(corners, body.name, colour, *poses, flat=flat) | seen)
         if body.approach is not None:
-            arrow, name = approach_corners(situation, body), f"approach of {body.name}"
-            out.append(_solid(arrow, name, APPROACH, *poses, flat=True) | seen)
+            arrow, name = rendering.approach_corners(situation, body), f"approach of {body.name}"
+            out.append(_solid(arrow, name, rendering.APPROACH, *poses, flat=True) | seen)
     return out
 
 
 def _limb(
-    situation: JointSituation, moves: Movement | None, times: np.ndarray
+    situation: rendering.JointSituation, moves: Movement | None, times: np.ndarray
 ) -> list[dict[str, Any]]:
     """Return the links and balls of the arm."""
     arm = situation.arm
     joints = np.tile(arm.joints, (len(times), 1)) if moves is None else moves.joints_at(times)
-    limb, out = limb_along(arm, joints), []
+    limb, out = rendering.limb_along(arm, joints), []
     for i, radius in enumerate(limb.radii):
         a, b = limb.ends[:, i, 0], limb.ends[:, i, 1]
-        turns = np.array([bone_pose(*ends)[0] for ends in limb.ends[:, i]])
-        link = faces(bone_shape(radius, bone_pose(a[0], b[0])[1]), np.inf)
+        turns = np.array([rendering.bone_pose(*ends)[0] for ends in limb.ends[:, i]])
+        link = rendering.faces(
+            rendering.bone_shape(radius, rendering.bone_pose(a[0], b[0])[1]), np.inf
+        )
         out.append(_solid(link, f"link {i}", style.ARM, 0.5 * (a + b), turns))
     upright = np.broadcast_to(np.eye(3), (len(times), 3, 3))
-    for ball in balls_of(limb):
-        corners = faces(Sphere(ball.radius), np.inf)
+    for ball in rendering.balls_of(limb):
+        corners = rendering.faces(Sphere(ball.radius), np.inf)
         out.append(_solid(corners, ball.name, ball.colour, ball.places, upright))
     return [solid | {"hands": solid["name"] == "hand"} for solid in out]
 
 
 def _hands(
-    situation: JointSituation, known: CognitiveMap | None, times: np.ndarray, box: np.ndarray
+    situation: rendering.JointSituation,
+    known: CognitiveMap | None,
+    times: np.ndarray,
+    box: np.ndarray,
 ) -> dict[str, Any] | None:
     """Return the surface of effective obstacles, its triangles in order of time.
 
@@ -268,11 +258,11 @@ def _welded(quads: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return corners, triangles[real], np.tile(np.arange(len(quads)), 2)[real]
 
 
-def _ways(situation: JointSituation, moves: Movement) -> list[dict[str, Any]]:
+def _ways(situation: rendering.JointSituation, moves: Movement) -> list[dict[str, Any]]:
     """Return the paths of hand and targets, coloured by time."""
     times = np.linspace(0.0, moves.duration, 2 * FRAMES)
     colours = [to_hex(c) for c in TIME_COLOURS(np.linspace(0.0, 1.0, len(times)))]
-    targets = zip(situation.targets, target_paths(situation, times), strict=True)
+    targets = zip(situation.targets, rendering.target_paths(situation, times), strict=True)
     paths = [("hand's path", moves.hand_at(times), False)]
     paths += [(f"path of {body.name}", path, True) for body, path in targets]
     return [

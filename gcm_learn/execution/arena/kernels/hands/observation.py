@@ -14,20 +14,7 @@ import numpy as np
 
 from gcm_learn.arms.planar_limb import elbow_of
 from gcm_learn.compiled import njit
-from gcm_learn.execution.arena.kernels.hands.nearness import (
-    ELBOW_X,
-    ELBOW_Y,
-    HAND_X,
-    HAND_Y,
-    ROOM,
-    TIME,
-    X,
-    Y,
-    exactly,
-    follow,
-    place_limb,
-    tell_fan,
-)
+from gcm_learn.execution.arena.kernels.hands import nearness
 from gcm_learn.execution.arena.kernels.hands.scene import MOMENTS, scene_of
 from gcm_learn.execution.arena.kernels.world import EXTREME, LONG, rules_in
 from gcm_learn.scene.bodies import (
@@ -159,7 +146,7 @@ def observe(world, state, e, options, out, workspace):
         dx, dy = first.x - x, first.y - y
         length = np.sqrt(dx * dx + dy * dy)
         dx, dy = (dx / length, dy / length) if length > 1e-9 else (c, sn)
-        tell_fan(scene, rules.touch, view, dx, dy, poses, row, at)
+        nearness.tell_fan(scene, rules.touch, view, dx, dy, poses, row, at)
 
 
 @njit(_nrt=False)
@@ -261,19 +248,19 @@ def _look_ahead(scene, view, first, workspace):
     for k in range(MOMENTS):
         f = k / (MOMENTS - 1)
         hx, hy = x + f * share * (gx - x), y + f * share * (gy - y)
-        place_limb(moments, k, t + f * (first.time - t), hx, hy, rho)
+        nearness.place_limb(moments, k, t + f * (first.time - t), hx, hy, rho)
     n, vague = bodies.rows.shape[0], 0
     for b in range(n):
         gaps[b, LEAST] = 1e300
         if bodies.rows[b, PART] == HAND:
             continue
-        if follow(bodies, b, MOMENTS, moments):
+        if nearness.follow(bodies, b, MOMENTS, moments):
             _note(b, moments, gaps)
         else:
             gaps[b, LEAST], vague = -1.0, vague + 1
     for b in range(n if vague > 0 else 0):
         if gaps[b, LEAST] < 0.0:
-            exactly(bodies, b, MOMENTS, moments, workspace.poses, True)
+            nearness.exactly(bodies, b, MOMENTS, moments, workspace.poses, True)
             _note(b, moments, gaps)
 
 
@@ -282,22 +269,26 @@ def _note(b, moments, gaps):
     """Write the least gap of all moments, its moment, and the gap of the first one."""
     least, late = 1e300, 0
     for k in range(MOMENTS):
-        room = max(moments[k, ROOM], 0.0)
+        room = max(moments[k, nearness.ROOM], 0.0)
         if room < least:
             least, late = room, k
     gaps[b, LEAST], gaps[b, LATE] = least, late / (MOMENTS - 1)
-    gaps[b, NOW] = max(moments[0, ROOM], 0.0)
+    gaps[b, NOW] = max(moments[0, nearness.ROOM], 0.0)
 
 
 @njit(_nrt=False)
 def _tell_obstacles(scene, floor, view, slots, workspace, row):
     """Write the `slots` obstacles that come nearest; returns where what follows begins."""
     moments, gaps = workspace.moments, workspace.gaps
-    ex, ey = moments[0, ELBOW_X], moments[0, ELBOW_Y]
+    ex, ey = moments[0, nearness.ELBOW_X], moments[0, nearness.ELBOW_Y]
     for k in range(2):  # moments of a limb that rests
         later = min(view.t + 0.3 * (k + 1) / scene.limits.speed, scene.limits.horizon)
-        moments[k, TIME], moments[k, HAND_X], moments[k, HAND_Y] = later, view.x, view.y
-        moments[k, ELBOW_X], moments[k, ELBOW_Y] = ex, ey
+        moments[k, nearness.TIME], moments[k, nearness.HAND_X], moments[k, nearness.HAND_Y] = (
+            later,
+            view.x,
+            view.y,
+        )
+        moments[k, nearness.ELBOW_X], moments[k, nearness.ELBOW_Y] = ex, ey
     at = ARM + TARGET
     for _ in range(slots):
         b = 0
@@ -340,8 +331,8 @@ def _tell_obstacle(scene, floor, b, view, workspace, row, at):
     row[at + 14] = min(gaps[b, LEAST] - floor, _FARTHEST)
     row[at + 15] = gaps[b, LATE]
     row[at + 16] = 1.0 if gaps[b, LEAST] <= floor else 0.0
-    if not follow(bodies, b, 2, moments):
-        exactly(bodies, b, 2, moments, poses, False)
+    if not nearness.follow(bodies, b, 2, moments):
+        nearness.exactly(bodies, b, 2, moments, poses, False)
     for k in range(2):  # how near it comes to a limb that rests
-        row[at + 17 + k] = min(max(moments[k, ROOM], 0.0) - floor, _FARTHEST)
-    row[at + 19] = np.sqrt(moments[1, X] ** 2 + moments[1, Y] ** 2)
+        row[at + 17 + k] = min(max(moments[k, nearness.ROOM], 0.0) - floor, _FARTHEST)
+    row[at + 19] = np.sqrt(moments[1, nearness.X] ** 2 + moments[1, nearness.Y] ** 2)

@@ -13,19 +13,7 @@ import numpy as np
 from gcm_learn.arms.chain_limb import place_axes
 from gcm_learn.arms.limbs import dof, hand_of, place
 from gcm_learn.compiled import njit
-from gcm_learn.execution.arena.kernels.joints.chains import (
-    approach_numbers,
-    beside,
-    gap_of,
-    nearest_point,
-    point_velocity_on,
-    shape_numbers,
-    size_numbers,
-    tell_approach,
-    tell_fan,
-    tell_shape,
-    tell_sizes,
-)
+from gcm_learn.execution.arena.kernels.joints import chains
 from gcm_learn.execution.arena.kernels.joints.meeting import (
     AIM_ROW,
     aim_along,
@@ -60,13 +48,13 @@ _EXACTLY = 0.5  # farther than this [reaches], distances are those of the balls 
 @njit(_nrt=False, forceinline=True)
 def arm_numbers(limb):
     """Count of the numbers of the arm."""
-    return 6 * dof(limb) + 6 + shape_numbers(limb) + size_numbers(limb)
+    return 6 * dof(limb) + 6 + chains.shape_numbers(limb) + chains.size_numbers(limb)
 
 
 @njit(_nrt=False, forceinline=True)
 def target_numbers(limb):
     """Count of the numbers of the target."""
-    return UNTIL_AIM + dof(limb) + approach_numbers(limb)
+    return UNTIL_AIM + dof(limb) + chains.approach_numbers(limb)
 
 
 @njit
@@ -94,7 +82,7 @@ def observe(view, time, posture, e, options, row):
     first = arm_numbers(limb)
     if options.fan:
         at = first + target_numbers(limb) + options.slots * OBSTACLE
-        tell_fan(limb, view, time, posture, e, target, first + UNTIL_AIM, row, at)
+        chains.tell_fan(limb, view, time, posture, e, target, first + UNTIL_AIM, row, at)
     _tell_obstacles(view, time, posture, e, where, ahead, options.slots, row)
 
 
@@ -103,7 +91,7 @@ def _tell_arm(view, time, posture, e, where, dt, row):
     limb, limits = view.scene.limb, view.scene.limits
     hx, hy, hz = hand_of(limb, where)
     unit, n = view.reach / view.pace, dof(limb)
-    ends = 2 * n + 3 + shape_numbers(limb)
+    ends = 2 * n + 3 + chains.shape_numbers(limb)
     sizes = ends + 4 * n
     for j in range(n):
         q, top = posture[e, j], limits.joint_speed[j]
@@ -114,9 +102,9 @@ def _tell_arm(view, time, posture, e, where, dt, row):
         put(row, ends + 2 * n + j, top * unit)
         put(row, ends + 3 * n + j, top / limits.joint_acceleration[j] / unit)
     put_vector(row, 2 * n, hx, hy, hz, view.reach)
-    tell_shape(limb, where, view.reach, row, 2 * n + 3)
-    tell_sizes(limb, where, view.rules.touch, view.reach, row, sizes)
-    rest = sizes + size_numbers(limb)
+    chains.tell_shape(limb, where, view.reach, row, 2 * n + 3)
+    chains.tell_sizes(limb, where, view.rules.touch, view.reach, row, sizes)
+    rest = sizes + chains.size_numbers(limb)
     put(row, rest, view.rules.catch / view.reach)
     put(row, rest + 1, (limits.horizon - time) / unit)
     put(row, rest + 2, dt / unit)
@@ -158,7 +146,7 @@ def _tell_target(view, time, posture, e, where, row):
     aim_along(view, posture, e, wx / way, wy / way, wz / way)
     for j in range(n):
         row[at + UNTIL_AIM + j] = view.rates[AIM_ROW, j]
-    tell_approach(scene.limb, where, scene, b, time, poses, row, at + UNTIL_AIM + n)
+    chains.tell_approach(scene.limb, where, scene, b, time, poses, row, at + UNTIL_AIM + n)
     return b
 
 
@@ -169,7 +157,7 @@ def _ahead(view, k):
     for j in range(dof(limb)):
         turn = view.rates[AIM_ROW, j] * limits.joint_speed[j] * AHEAD[k] * unit
         view.joints[1, j] = min(max(view.joints[0, j] + turn, limb.low[j]), limb.high[j])
-    return place(beside(limb, view.own, k), view.joints[1])
+    return place(chains.beside(limb, view.own, k), view.joints[1])
 
 
 @njit(_nrt=False)
@@ -179,7 +167,9 @@ def _tell_obstacles(view, time, posture, e, where, ahead, slots, row):
     at, n = arm_numbers(limb) + target_numbers(limb), dof(limb)
     enough = _EXACTLY * view.reach
     for k in range(which.size):
-        gaps[k] = gap_of(limb, where, view.scene.bodies, which[k], time, enough, view.desk.poses)
+        gaps[k] = chains.gap_of(
+            limb, where, view.scene.bodies, which[k], time, enough, view.desk.poses
+        )
     for j in range(n):
         view.rates[0, j] = posture[e, n + j]
     place_axes(limb, view.joints[0])
@@ -203,14 +193,14 @@ def _tell_obstacle(view, b, time, where, ahead, row, at):
     hx, hy, hz = hand_of(limb, where)
     pose_at(bodies, b, time, poses)
     cx, cy, cz = poses[b, 0], poses[b, 1], poses[b, 2]
-    i, px, py, pz, x, y, z, radius = nearest_point(limb, where, bodies, b, poses)
+    i, px, py, pz, x, y, z, radius = chains.nearest_point(limb, where, bodies, b, poses)
     row[at] = 1.0
     put_vector(row, at + 1, px, py, pz, reach)
     put_vector(row, at + 4, x, y, z, reach)
     put(row, at + 7, (np.sqrt(x * x + y * y + z * z) - radius - view.rules.touch) / reach)
     vx, vy, vz = point_velocity(bodies, b, time, poses, px + x, py + y, pz + z)
     joints, rates = view.joints[0], view.rates[0]
-    lx, ly, lz = point_velocity_on(limb, where, i, joints, rates, px, py, pz)
+    lx, ly, lz = chains.point_velocity_on(limb, where, i, joints, rates, px, py, pz)
     put_vector(row, at + 8, vx - lx, vy - ly, vz - lz, view.pace)
     put_vector(row, at + 11, cx - hx, cy - hy, cz - hz, reach)
     put(row, at + 14, bodies.rows[b, REACH] / reach)
@@ -218,14 +208,14 @@ def _tell_obstacle(view, b, time, where, ahead, row, at):
     for k in range(2):
         later = min(time + AHEAD[k] * reach / view.pace, view.scene.limits.horizon)
         row[at + 16 + k] = _room(view, limb, b, later, where)
-        row[at + 18 + k] = _room(view, beside(limb, view.own, k), b, later, ahead[k])
+        row[at + 18 + k] = _room(view, chains.beside(limb, view.own, k), b, later, ahead[k])
 
 
 @njit(_nrt=False, forceinline=True)
 def _room(view, limb, b, time, where):
     """Return how far a limb at a place is from touching body b at a time [s] [reaches]."""
     enough = _EXACTLY * view.reach
-    room = gap_of(limb, where, view.scene.bodies, b, time, enough, view.desk.poses)
+    room = chains.gap_of(limb, where, view.scene.bodies, b, time, enough, view.desk.poses)
     return min((room - view.rules.touch) / view.reach, EXTREME)
 
 
