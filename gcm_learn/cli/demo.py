@@ -60,7 +60,9 @@ class Demo:
     def run(self) -> int:
         """Do what is asked for."""
         if self.list:
-            print("\n".join(_listed()))
+            names = {"figures of the paper": [*FIGURES]}
+            names |= {title: [path.name for path in paths] for title, paths in _examples().items()}
+            print("\n".join([f"{title}: {' '.join(found)}" for title, found in names.items()]))
         elif self.figure is not None:
             print(_drawn(self.figure, self.out))
         elif self.copy is not None:
@@ -118,10 +120,3 @@ def _examples() -> dict[str, list[Path]]:
     from gcm_learn.artifacts import source
 
     return {title: sorted(source().glob(place)) for title, place in PLACES.items()}
-
-
-def _listed() -> list[str]:
-    """Return lines that name figures and files."""
-    names = {"figures of the paper": [*FIGURES]}
-    names |= {title: [path.name for path in paths] for title, paths in _examples().items()}
-    return [f"{title}: {' '.join(found)}" for title, found in names.items()]

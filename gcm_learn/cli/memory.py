@@ -16,7 +16,7 @@ from gcm_learn.errors import UnknownNameError
 
 if TYPE_CHECKING:
     from gcm_learn.dataset import Dataset
-    from gcm_learn.recall import Index, LearnedIndex, Memory
+    from gcm_learn.recall import LearnedIndex, Memory
 
 
 @dataclass(frozen=True)
@@ -60,9 +60,10 @@ class Make:
         if self.synthetic and self.planner:
             raise CommandFailure("--planner: has no part in --synthetic")
         records = split_of(self.dataset, self.split)
-        from gcm_learn.recall import remember
+        from gcm_learn.recall import LearnedIndex, remember
 
-        index = _index(self.index)
+        folder = _encoder(self.index)
+        index = LearnedIndex.load(folder) if folder.is_dir() else self.index
         total = len(records) if self.most is None else min(self.most, len(records))
         with Progress(total, "records") as progress:
             memory = remember(
@@ -171,11 +172,3 @@ def _encoder(name: str) -> Path:
     from gcm_learn.recall import CONFIG
 
     return Path(name) if Path(name).is_dir() else artifacts.model(name, CONFIG) or Path(name)
-
-
-def _index(name: str) -> str | Index:
-    """Return the index of an encoder, or the name itself."""
-    from gcm_learn.recall import LearnedIndex
-
-    folder = _encoder(name)
-    return LearnedIndex.load(folder) if folder.is_dir() else name

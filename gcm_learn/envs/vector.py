@@ -73,7 +73,9 @@ class ManyArms(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
     ) -> tuple[np.ndarray, dict[str, Any]]:
         """Begin all episodes; ``options={"index": (num_envs,)}`` says in which situations."""
         if seed is not None:
-            self._np_random, self._np_random_seed = _generator(seed)
+            from gymnasium.utils import seeding
+
+            self._np_random, self._np_random_seed = seeding.np_random(seed)
         index = (options or {}).get("index")
         places = self._drawn(self.num_envs) if index is None else np.asarray(index, np.int64)
         if places.shape != (self.num_envs,) or np.any((places < 0) | (places >= len(self.pool))):
@@ -173,9 +175,3 @@ class CatchChainsPhysics(ManyArms):
     """
 
     arena = execution.ARENAS["CatchChainPhysics-v0"]
-
-
-def _generator(seed: int) -> tuple[np.random.Generator, int]:
-    from gymnasium.utils import seeding
-
-    return seeding.np_random(seed)

@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 
-from gcm_learn.charts import Chart
 from gcm_learn.compiled import njit
 from gcm_learn.maps.cognitive_map import CognitiveMap
 
@@ -171,20 +170,15 @@ def _over_nodes(
     arrival = cognitive_map.arrival.filled(np.inf).ravel()
     node = cognitive_map.met
     if start is not None:
-        nearest = _nearest(chart, start)
+        index = chart.cell_of(start)
+        cells = (chart.n,) * len(index)
+        postures = chart.size // math.prod(cells)
+        nearest = int(np.ravel_multi_index(index, cells)) * postures + np.arange(postures)
         node = int(nearest[np.argmin(arrival[nearest])])
     if node < 0 or not np.isfinite(arrival[node]):
         return None
     nodes = np.array(chain_to(cognitive_map, node))
     return np.array([chart.hand_at(n) for n in nodes]), arrival[nodes].astype(float)
-
-
-def _nearest(chart: Chart, start: tuple[float, ...]) -> np.ndarray:
-    """Nodes (k,) of the cell that holds a place."""
-    index = chart.cell_of(start)
-    cells = (chart.n,) * len(index)
-    postures = chart.size // math.prod(cells)
-    return int(np.ravel_multi_index(index, cells)) * postures + np.arange(postures)
 
 
 def chain_to(cognitive_map: CognitiveMap, node: int) -> list[int]:

@@ -190,7 +190,8 @@ class Outside:
         spent = 1e3 * (clock.perf_counter() - since)
         if not message:
             try:
-                _refuse_changes(shown, situation)
+                if shown != situation:
+                    raise ValueError("it changed the situation")
                 values = _values(answer, situation)
                 return Plan(**values, planner=self.name, planning_ms=spent, format=form)
             except _Broken as error:
@@ -201,11 +202,6 @@ class Outside:
             message = f"the planner fails: {message}"
         known: Any = status
         return Plan(situation.name, self.name, known, message, spent, format=form)
-
-
-def _refuse_changes(shown: AnySituation, situation: AnySituation) -> None:
-    if shown != situation:
-        raise ValueError("it changed the situation")
 
 
 def _values(answer: Any, situation: AnySituation) -> dict[str, Any]:

@@ -316,7 +316,8 @@ class ActorPlanner:
         """Yield the paths that catch in a pool's only situation, the earliest catch first."""
         found = [self.actor.play(pool, np.zeros(1, np.int64))]
         if self.tries > 1:
-            source = seeding.rng(self.seed, _number(situation))
+            text = json.dumps(situation_to_json(situation), sort_keys=True)
+            source = seeding.rng(self.seed, content_number(text.encode(), 6))
             drawn = np.zeros(self.tries - 1, np.int64)
             found.append(self.actor.play(pool, drawn, source))
         paths = [
@@ -350,9 +351,3 @@ _KINDS = ByKind(
     {PLANAR: _Kind(Problem, {}, _refined_way)},
     default=_Kind(SpatialProblem, {"keeps_acceleration": True}, way_of),
 )
-
-
-def _number(situation: AnySituation) -> int:
-    """Return a number that follows from the situation alone."""
-    text = json.dumps(situation_to_json(situation), sort_keys=True)
-    return content_number(text.encode(), 6)

@@ -227,12 +227,6 @@ class LocalCrew(Crew):
             if running:
                 self._let_go()
 
-    def _pool(self) -> ProcessPoolExecutor:
-        """The processes, which are started at the first use."""
-        if self._executor is None:
-            self._executor = self._block.enter_context(pool(self.workers))
-        return self._executor
-
     def _let_go(self) -> None:
         """End the processes at once."""
         self.__exit__(GeneratorExit, GeneratorExit(), None)
@@ -253,7 +247,9 @@ class LocalCrew(Crew):
             if task is None:
                 return False
             try:
-                running[self._pool().submit(work, task[1])] = task
+                if self._executor is None:
+                    self._executor = self._block.enter_context(pool(self.workers))
+                running[self._executor.submit(work, task[1])] = task
             except BrokenProcessPool:
                 again.appendleft(task)
                 return True

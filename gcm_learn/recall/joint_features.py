@@ -57,7 +57,7 @@ def context_of(study, heading, target, signs, reach, end, when):
         Time at which that catches, negative if it comes late [s].
     """
     limb = study.scene.limb
-    size = TRACK * TRACKED.size + PER_JOINT * dof(limb) + WHOLE + _approach_count(limb)
+    size = TRACK * TRACKED.size + PER_JOINT * dof(limb) + WHOLE + (0 if inverts(limb) else APPROACH)
     out = np.zeros(size, dtype=np.float32)
     _fill_context(study, heading, target, signs, reach, end, when, out)
     return out
@@ -67,7 +67,7 @@ def context_of(study, heading, target, signs, reach, end, when):
 def _fill_context(study, heading, target, signs, reach, end, when, out):
     """Fill in the target's track, then numbers of the arm."""
     scene, poses, limb, limits = study.scene, study.desk.poses, study.scene.limb, study.scene.limits
-    n, side, at = dof(limb), _side(limb, signs), 0
+    n, side, at = dof(limb), (signs[3] if inverts(limb) else 1.0), 0
     for k in range(TRACKED.size):
         pose_at(scene.bodies, target, min(TRACKED[k], limits.horizon), poses)
         x, y, z = _ahead(heading, poses[target, 0], poses[target, 1], poses[target, 2])
@@ -86,7 +86,10 @@ def _fill_context(study, heading, target, signs, reach, end, when, out):
         out[at + 5 * n + j] = signs[j] * np.sin(start - shift)
         out[at + 6 * n + j] = 0.2 * limits.joint_speed[j]
     at += PER_JOINT * n
-    _fill_limb(limb, heading, side, reach, out, at)
+    if inverts(limb):
+        _fill_elbow(limb, side, reach, out, at)
+    else:
+        _fill_hand(limb, heading, reach, out, at)
     out[at + 6], out[at + 9] = limits.horizon, 10.0 * limits.grasp / reach
     out[at + 10] = 5.0 * scene.bodies.rows[target, REACH] / reach
     out[at + 11] = 1.0 / (1.0 + limits.speed / reach)
@@ -104,12 +107,6 @@ def _ahead(heading, x, y, z):
         rows[1, 0] * x + rows[1, 1] * y + rows[1, 2] * z,
         rows[2, 0] * x + rows[2, 1] * y + rows[2, 2] * z,
     )
-
-
-@njit(_nrt=False)
-def _side(limb, signs):
-    """Sign of a limb's lateral direction: -1 for right arms."""
-    return signs[3] if inverts(limb) else 1.0
 
 
 @njit(_nrt=False)
@@ -141,18 +138,6 @@ def _turned_ahead(heading, x, y, z):
 
 
 @njit(_nrt=False)
-def _fill_limb(limb, heading, side, reach, out, at):
-    """Fill in where the limb starts, and its measures as far as they differ from arm to arm.
-
-    A chain's are its model's, and an encoder knows one model.
-    """
-    if inverts(limb):
-        _fill_elbow(limb, side, reach, out, at)
-    else:
-        _fill_hand(limb, heading, reach, out, at)
-
-
-@njit(_nrt=False)
 def _fill_approach(limb, scene, heading, target, poses, out, at):
     """Fill in the target's approach; 0 if it has none."""
     if inverts(limb) or not has_approach(scene, target):
@@ -164,12 +149,6 @@ def _fill_approach(limb, scene, heading, target, poses, out, at):
         out[at], out[at + 1], out[at + 2] = _turned_ahead(heading, x, y, z)
         at += 3
     out[at], out[at + 1] = 1.0, np.cos(scene.bodies.rows[target, WITHIN])
-
-
-@njit(_nrt=False, forceinline=True)
-def _approach_count(limb):
-    """Numbers of a target's approach."""
-    return 0 if inverts(limb) else APPROACH
 
 
 POSTURES = 64  # all over the joints

@@ -127,7 +127,10 @@ class Trainer:
         validated, saved = self.elapsed, self.elapsed
         while (share := self.effort.done(self.turn, self.elapsed)) < 1.0:
             began = time.monotonic()
-            scores = self._take_turn(share)
+            if share < 1.0 - REPEAT or not self.batches:
+                self._attend(share)
+            losses = [self._learn(share) for _ in range(self.config.steps)]
+            scores = {name: float(np.mean([loss[name] for loss in losses])) for name in losses[0]}
             self.turn += 1
             self.elapsed += time.monotonic() - began
             if self.elapsed - validated >= VALIDATED:
@@ -146,13 +149,6 @@ class Trainer:
         """Marks of what has been learned so far."""
         rows = np.arange(len(self._paths))
         return self.data.validate(lambda features, k: self._best(features, k, rows))
-
-    def _take_turn(self, share: float) -> dict[str, float]:
-        """One batch and some steps; mean losses."""
-        if share < 1.0 - REPEAT or not self.batches:
-            self._attend(share)
-        losses = [self._learn(share) for _ in range(self.config.steps)]
-        return {name: float(np.mean([loss[name] for loss in losses])) for name in losses[0]}
 
     def _attend(self, share: float) -> None:
         """Have a batch made and keep it."""

@@ -46,7 +46,9 @@ def read_mjcf(path: Path, visual: bool = False) -> Robot:
         looks, touching = _geometry(model, b, name, notes, mujoco)
         geoms = looks if visual and not touching else touching
         hulls = [h for g in geoms for h in _hulls(model, g, mujoco)]
-        links[name] = RobotLink(name, tuple(hulls), _inertial(model, b), bool(looks))
+        pose = _pose(model.body_ipos[b], model.body_iquat[b])
+        made = Inertial(float(model.body_mass[b]), np.zeros(3), np.diag(model.body_inertia[b]))
+        links[name] = RobotLink(name, tuple(hulls), made.moved(pose), bool(looks))
         if b:
             _join(model, b, names, links, joints, mujoco)
     for joint in joints:
@@ -156,13 +158,6 @@ def _geometry(
             which = model.geom(g).name or f"geometry of {name}"
             notes.append(f"{which}: a {kind} is left out; give it as an obstacle")
     return sorted_out
-
-
-def _inertial(model: Any, b: int) -> Inertial:
-    """Return the mass of a body, which MuJoCo finds by its geometry if the file does not say."""
-    pose = _pose(model.body_ipos[b], model.body_iquat[b])
-    made = Inertial(float(model.body_mass[b]), np.zeros(3), np.diag(model.body_inertia[b]))
-    return made.moved(pose)
 
 
 def _drive(model: Any, j: int, mujoco: Any) -> Drive:

@@ -257,16 +257,11 @@ def _add_thing(world: Xml.Element, thing: Body | Thing, name: str, metres: float
     held = _add(world, "body", name=name, **({} if free else {"mocap": "true"}))
     if free:
         _add(held, "freejoint", name=name)
-    kind, size = _solid(thing)
-    _add(held, "geom", name=name, type=kind, size=np.array(size) * metres, density=BALL_DENSITY,
-         **UNLISTED)  # fmt: skip
-
-
-def _solid(thing: Body | Thing) -> tuple[str, list[float]]:
-    """Return MuJoCo's name and sizes of a thing's shape; the sizes are the shape's own."""
     if thing.shape.kind not in GEOMS:
         raise PhysicsError(f"body {thing.name!r}: physics has no {thing.shape.kind}")
-    return thing.shape.kind, numbers_of(thing.shape)
+    kind, size = thing.shape.kind, numbers_of(thing.shape)
+    _add(held, "geom", name=name, type=kind, size=np.array(size) * metres, density=BALL_DENSITY,
+         **UNLISTED)  # fmt: skip
 
 
 def _add(parent: Xml.Element, tag: str, **fields: Any) -> Xml.Element:

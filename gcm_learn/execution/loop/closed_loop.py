@@ -292,13 +292,9 @@ class ExactPlant:
             if outcome == CAUGHT:
                 self.catches.append(Catch(self._left.bodies[body].name, self.time))
                 if len(self.catches) < self.wanted.most:
-                    self._leave_out(self.catches[-1])
+                    self._left = without(self._left, [self.catches[-1]])
+                    self._events = self._lead.events(pack(self._left))
                     continue
             self.outcome = outcome
         if self.outcome == RUNNING and self.time >= horizon:
             self.outcome = self.wanted.at_horizon(len(self.catches))
-
-    def _leave_out(self, catch: Catch) -> None:
-        """Go on without a target that was caught."""
-        self._left = without(self._left, [catch])
-        self._events = self._lead.events(pack(self._left))

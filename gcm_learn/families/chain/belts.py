@@ -157,40 +157,16 @@ class TurntableChain(ChainFamily):
             circling(part, middle, rate, way.when, stage.horizon),
             solid("turntable", table, middle - low * UP),
         ]
+        foot = middle - low * UP
         for k in range(ranges.pick_count(rng, self.pegs)):
-            peg = self._peg(rng, stage, middle - low * UP, radius, angle, k)
+            there = angle + rng.uniform(0.7, 2.0 * math.pi - 0.7)
+            far, half = radius * rng.uniform(0.5, 1.3), stage.size(rng, self.tall)
+            place = foot + far * np.array([math.cos(there), math.sin(there), 0.0]) + half * UP
+            peg = solid(f"peg {k + 1}", Capsule(stage.size(rng, self.peg), half), place)
             bodies.append(circling(peg, middle, rate, way.when, stage.horizon))
         if rng.random() < self.fins:
-            bodies.append(self._fin(rng, stage, middle, radius, angle, rate * way.when, rate))
+            first = angle + rng.uniform(0.9, math.pi - 0.9) - rate * way.when
+            axes = axes_along(UP, (math.cos(first), math.sin(first), 0.0))
+            shape = Box((1.2 * radius, 0.008 * stage.arm.reach, stage.size(rng, self.tall)))
+            bodies.append(solid("fin", shape, middle, axes, spin=(0.0, 0.0, rate)))
         return Story(way, tuple(bodies))
-
-    def _peg(
-        self,
-        rng: np.random.Generator,
-        stage: Stage,
-        base: np.ndarray,
-        radius: float,
-        angle: float,
-        k: int,
-    ) -> Body:
-        """A peg off the part, at the time of the meeting."""
-        there = angle + rng.uniform(0.7, 2.0 * math.pi - 0.7)
-        far, half = radius * rng.uniform(0.5, 1.3), stage.size(rng, self.tall)
-        place = base + far * np.array([math.cos(there), math.sin(there), 0.0]) + half * UP
-        return solid(f"peg {k + 1}", Capsule(stage.size(rng, self.peg), half), place)
-
-    def _fin(
-        self,
-        rng: np.random.Generator,
-        stage: Stage,
-        middle: np.ndarray,
-        radius: float,
-        angle: float,
-        turned: float,
-        rate: float,
-    ) -> Body:
-        """A board through the axis, off the part by a good angle, which spins."""
-        first = angle + rng.uniform(0.9, math.pi - 0.9) - turned
-        axes = axes_along(UP, (math.cos(first), math.sin(first), 0.0))
-        shape = Box((1.2 * radius, 0.008 * stage.arm.reach, stage.size(rng, self.tall)))
-        return solid("fin", shape, middle, axes, spin=(0.0, 0.0, rate))

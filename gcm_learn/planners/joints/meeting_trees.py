@@ -99,12 +99,6 @@ def join(study, trees, tree, k, q, rates, t, free):
 
 
 @njit(_nrt=False)
-def _grown(study, trees, horizon):
-    """Grow the first tree to a drawn state; the new node, -1 if no move is free."""
-    return grown_to(study, trees, _draw_state(study, trees, horizon))
-
-
-@njit(_nrt=False)
 def grown_to(study, trees, t):
     """Grow the first tree to the drawn posture at t [s]; the new node, -1 if no move is free.
 
@@ -214,7 +208,7 @@ def search_trees(study, trees, rounds, horizon, way):
             return False
         for tree in range(2):
             if tree == FROM_START:
-                k = _grown(study, trees, horizon)
+                k = grown_to(study, trees, _draw_state(study, trees, horizon))
             else:
                 k = _grown_backward(study, trees)
             if k < 0:

@@ -66,7 +66,8 @@ class ReachableSet:
         arm, bodies = problem.situation.arm, problem.bodies
         self.problem = problem
         self.end = min(problem.situation.horizon, before)
-        self.n = _affordable(n, arm, self.end)
+        most = MOST_STEPS * STEP * 2.0 * arm.reach / (STRETCH * arm.max_hand_speed * self.end)
+        self.n = max(min(n, int(most)), SMALLEST_LATTICE)
         h = 2.0 * arm.reach / self.n
         self.dt = min(STEP * h / (STRETCH * arm.max_hand_speed), self.end / FEWEST_STEPS)
         self.dt = max(self.dt, self.end / MOST_STEPS)
@@ -138,12 +139,6 @@ class ReachableSet:
         left = np.concatenate([front.left[nodes], came[-1:]])
         hand = np.vstack([self.problem.situation.arm.hand, self.grid.centre[front.cell[nodes], :2]])
         return came, left, hand
-
-
-def _affordable(n: int, arm: Arm, end: float) -> int:
-    """Size of the lattice, at most n, on which MOST_STEPS steps take a set to the end."""
-    most = MOST_STEPS * STEP * 2.0 * arm.reach / (STRETCH * arm.max_hand_speed * end)
-    return max(min(n, int(most)), SMALLEST_LATTICE)
 
 
 @lru_cache(maxsize=16)

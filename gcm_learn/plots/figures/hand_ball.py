@@ -77,7 +77,9 @@ def extended_faces(
 def front_faces(cognitive_map: CognitiveMap, t: float) -> Faces:
     """The front at time t [s]."""
     chart, arrival = _chart(cognitive_map), first_arrival(cognitive_map)
-    step = 2.0 * _pace(arrival)
+    there = np.where(np.isfinite(arrival), arrival, np.nan)
+    steps = np.abs(np.diff(there, axis=0))
+    step = 2.0 * (float(np.nanmedian(steps)) if np.isfinite(steps).any() else 0.001)
     return skin(chart, np.clip(arrival - t, -step, step), 0.0, style.FRONT, CLEAR)
 
 
@@ -148,13 +150,6 @@ def _evened(arrival: np.ndarray, never: float) -> np.ndarray:
     share = softened(softened(there.astype(float)))
     total = softened(softened(np.where(there, arrival, 0.0)))
     return np.where(there, total / np.maximum(share, 1e-9), never)
-
-
-def _pace(arrival: np.ndarray) -> float:
-    """About the time that a front takes from cell to cell [s]."""
-    there = np.where(np.isfinite(arrival), arrival, np.nan)
-    steps = np.abs(np.diff(there, axis=0))
-    return float(np.nanmedian(steps)) if np.isfinite(steps).any() else 1e-3
 
 
 def _birth(arrival: np.ndarray) -> np.ndarray:

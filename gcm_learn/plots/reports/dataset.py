@@ -23,7 +23,6 @@ from gcm_learn.plots.reports.page import (
 
 if TYPE_CHECKING:  # who has no pyarrow has no datasets, but all other pictures
     from gcm_learn.dataset import Dataset, Manifest, Record
-    from gcm_learn.planners import Plan
 
 COLUMNS = 4  # records side by side
 EACH = 8  # records of a stratum
@@ -90,7 +89,9 @@ def _picture(records: Sequence[Record], path: Path, caption: str) -> Picture:
 
 def draw_record(above: Axes, below: Axes, record: Record) -> None:
     """Draw the situation of a record, and below it the map with a path, or the movement."""
-    plan = _shown_plan(record)
+    plans = record.plans
+    order = sorted(plans, key=lambda name: name != _first_choice(list(plans)))
+    plan = next((plans[name] for name in order if plans[name].caught), None)
     moves = None if plan is None else plan.trajectory
     end = record.situation.horizon if moves is None else moves.duration
     pictures = pictures_of(record.situation, plan)
@@ -98,13 +99,6 @@ def draw_record(above: Axes, below: Axes, record: Record) -> None:
     style.title(above, f"{record.family} {record.index}")
     answered = "no catch" if plan is None or moves is None else f"{plan.planner}: {end:.2f} s"
     style.title(below, answered)
-
-
-def _shown_plan(record: Record) -> Plan | None:
-    """The plan of the planner of first choice, or of the first that catches."""
-    plans = record.plans
-    order = sorted(plans, key=lambda name: name != _first_choice(list(plans)))
-    return next((plans[name] for name in order if plans[name].caught), None)
 
 
 def _numbers(records: Dataset) -> Section:
