@@ -6,13 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gcm_learn.collision.distance import (
-    arm_distance,
-    limb_point2,
-    limb_segment2,
-    room_at,
-    segment_point2,
-)
+from gcm_learn.collision import distance
 from gcm_learn.compiled import njit
 from gcm_learn.scene.bodies import (
     ACCELERATION,
@@ -62,8 +56,8 @@ def passes_by(bodies, b, hx, hy, ex, ey, gap, t0, t1, scratch):
     bulge = np.sqrt(rows[b, ACCELERATION] ** 2 + rows[b, ACCELERATION + 1] ** 2) / 8.0
     far = gap + rows[b, REACH] + bulge * (t1 - t0) ** 2 + 1e-12
     if rows[b, PART] == HAND:
-        return segment_point2(hx, hy, ax, ay, bx, by) > far * far
-    return limb_segment2(hx, hy, ex, ey, ax, ay, bx, by) > far * far
+        return distance.segment_point2(hx, hy, ax, ay, bx, by) > far * far
+    return distance.limb_segment2(hx, hy, ex, ey, ax, ay, bx, by) > far * far
 
 
 @njit
@@ -79,7 +73,7 @@ def first_touch(bodies, b, hx, hy, ex, ey, gap, t0, t1, shortest, scratch):
     if speed > 0.0:
         shortest = min(shortest, max(FINEST / speed, (t1 - t0) / MOST_LOOKS))
     while True:
-        room = room_at(bodies, b, t, hx, hy, ex, ey, gap, scratch)
+        room = distance.room_at(bodies, b, t, hx, hy, ex, ey, gap, scratch)
         if room <= 0.0:
             return t
         if t >= t1 or speed == 0.0:
@@ -125,7 +119,7 @@ def blocked_cells(postures, cells, since, count, now, shortest, blocked):
             hx, hy, ex, ey = limb[m, 0], limb[m, 1], limb[m, 2], limb[m, 3]
             travel = speed * (now - since[i])
             if ball:  # the common case, decided without a root or a call
-                d2 = limb_point2(x, y, hx, hy, ex, ey) + z * z
+                d2 = distance.limb_point2(x, y, hx, hy, ex, ey) + z * z
                 near, far = radius + gap[m], radius + gap[m] + travel
                 if d2 > far * far:
                     continue
@@ -133,11 +127,11 @@ def blocked_cells(postures, cells, since, count, now, shortest, blocked):
                     blocked[i] = True
                     continue
             else:
-                d2 = limb_point2(x, y, hx, hy, ex, ey) + z * z
+                d2 = distance.limb_point2(x, y, hx, hy, ex, ey) + z * z
                 far = reach + gap[m] + travel
                 if d2 > far * far:  # the ball that holds the body spares most of its corners
                     continue
-                room = arm_distance(bodies, poses, b, hx, hy, ex, ey) - gap[m]
+                room = distance.arm_distance(bodies, poses, b, hx, hy, ex, ey) - gap[m]
                 if room > travel:
                     continue
                 if room <= 0.0:
@@ -175,7 +169,7 @@ def met_targets(postures, gap, cells, since, count, now, shortest, body, when):
             far = speed * (now - since[i])
             if (hx - x) ** 2 + (hy - y) ** 2 + z * z > (radius + far) ** 2:
                 continue
-            if not ball and arm_distance(bodies, poses, b, hx, hy, hx, hy) > gap + far:
+            if not ball and distance.arm_distance(bodies, poses, b, hx, hy, hx, hy) > gap + far:
                 continue
             t = first_touch(bodies, b, hx, hy, hx, hy, gap, since[i], now, shortest, scratch)
             if t >= 0.0 and (body[i] < 0 or t < when[i]):

@@ -19,16 +19,7 @@ from gcm_learn.arms.curves import line, on_curve
 from gcm_learn.arms.link_gaps import near_links
 from gcm_learn.collision.distance import bone_distance, point_distance
 from gcm_learn.compiled import by_type, njit
-from gcm_learn.scene.bodies import (
-    BALL,
-    LIMB,
-    PART,
-    REACH,
-    TOP_SPEED,
-    centre_at,
-    drift,
-    rotate,
-)
+from gcm_learn.scene.bodies import BALL, LIMB, PART, REACH, TOP_SPEED, centre_at, drift, rotate
 from gcm_learn.scene.shapes.ball import off_bone
 
 CHUNK = 60  # obstacles that one search asks after: the bits of an integer

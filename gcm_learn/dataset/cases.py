@@ -8,30 +8,10 @@ from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
+from gcm_learn import planners
 from gcm_learn.arms import Arm
 from gcm_learn.maps import CognitiveMap, build_map
 from gcm_learn.motion import Failure
-from gcm_learn.planners import (
-    Bounds,
-    FrontPlanner,
-    Plan,
-    Planner,
-    Problem,
-    SpatialProblem,
-    Yardstick,
-    any_straight,
-    bounds,
-    gcm,
-    get_planner,
-    layered,
-    marching,
-    search_in_space,
-    solve,
-    straight_plan,
-    stratum,
-    without_waits,
-    yardstick,
-)
 from gcm_learn.situation import AnySituation, Body, Disc, PlanarQuadratic, Situation
 from gcm_learn.wave import MarchingParams, WaveParams
 
@@ -62,14 +42,14 @@ class OracleLabel:
 
 
 @lru_cache(maxsize=64)
-def planner_of(name: str, n: int, rungs: int) -> Planner:
+def planner_of(name: str, n: int, rungs: int) -> planners.Planner:
     """Return a planner by name; planners with fronts have n cells and their first levels only."""
     if name not in FRONTS:
-        return get_planner(name)
-    made: FrontPlanner = (
-        gcm(WaveParams(n=n))
+        return planners.get_planner(name)
+    made: planners.FrontPlanner = (
+        planners.gcm(WaveParams(n=n))
         if name == "gcm"
-        else (marching if name == "marching" else layered)(MarchingParams(n=n))
+        else (planners.marching if name == "marching" else planners.layered)(MarchingParams(n=n))
     )
     return replace(made, levels=made.levels[:rungs])
 
@@ -85,9 +65,9 @@ class Case(ABC):
         self.situation: Any = situation
         self.spec = spec
         self._early = self._begin()
-        self._plans: dict[str, Plan] = {}
+        self._plans: dict[str, planners.Plan] = {}
         self._first_maps: dict[str, CognitiveMap] = {}
-        self._bounds: Bounds | Yardstick | None = None
+        self._bounds: planners.Bounds | planners.Yardstick | None = None
 
     @classmethod
     def examples(cls) -> tuple[AnySituation, ...]:
@@ -95,7 +75,7 @@ class Case(ABC):
         return ()
 
     @abstractmethod
-    def _begin(self) -> Plan | None:
+    def _begin(self) -> planners.Plan | None:
         """Make the problem; return the answer that needs no planner."""
 
     @abstractmethod
@@ -107,11 +87,11 @@ class Case(ABC):
         """Return whether a movement without waits catches."""
 
     @abstractmethod
-    def _asked(self, name: str) -> Plan:
+    def _asked(self, name: str) -> planners.Plan:
         """Return a planner's answer to a situation that needs one."""
 
     @abstractmethod
-    def _bounded(self) -> Bounds | Yardstick:
+    def _bounded(self) -> planners.Bounds | planners.Yardstick:
         """Return the bounds on the earliest catch."""
 
     @property
@@ -134,7 +114,7 @@ class Case(ABC):
         if self._caught_without_waiting():
             return "W"
         if self.spec.label == "oracle":
-            return stratum(self.situation, self.bounds())
+            return planners.stratum(self.situation, self.bounds())
         if wanted == "W":
             return "other"
         if self.plan(self.persistent).caught:
@@ -144,13 +124,13 @@ class Case(ABC):
         # A record must not hold a catch and say that there is none.
         return "Q" if any(self.plan(name).caught for name in self.spec.planners) else "U"
 
-    def plan(self, name: str) -> Plan:
+    def plan(self, name: str) -> planners.Plan:
         """Return the answer of a planner."""
         if name not in self._plans:
             self._plans[name] = self._planned(name)
         return self._plans[name]
 
-    def _planned(self, name: str) -> Plan:
+    def _planned(self, name: str) -> planners.Plan:
         """Answer as the planner does, sharing what all of them need."""
         if self._early is not None:
             return replace(self._early, planner=name)
@@ -175,7 +155,7 @@ class Case(ABC):
         wait, scene = self.spec.map == "layered", self.problem.scene
         return build_map(self.situation, kind(n=self.spec.n), wait=wait, scene=scene)
 
-    def bounds(self) -> Bounds | Yardstick:
+    def bounds(self) -> planners.Bounds | planners.Yardstick:
         """Return the bounds on the earliest catch."""
         if self._bounds is None:
             self._bounds = self._bounded()
@@ -184,7 +164,7 @@ class Case(ABC):
     def oracle(self) -> OracleLabel:
         """Return the oracle's label."""
         known = self.bounds()
-        return OracleLabel(stratum(self.situation, known), known.lower, known.upper)
+        return OracleLabel(planners.stratum(self.situation, known), known.lower, known.upper)
 
 
 class PlanarCase(Case):
@@ -201,8 +181,8 @@ class PlanarCase(Case):
         arm = Arm((1.3, 0.0), 3.0)
         return Situation("free", 1.0, arm, (ball,)), Situation("covered", 1.0, arm, (ball, lid))
 
-    def _begin(self) -> Plan | None:
-        self.problem = Problem(self.situation, "case")
+    def _begin(self) -> planners.Plan | None:
+        self.problem = planners.Problem(self.situation, "case")
         return self.problem.early_answer()
 
     def _caught_straight(self) -> bool:
@@ -213,19 +193,19 @@ class PlanarCase(Case):
         """Return whether first arrivals catch."""
         return self.plan("marching").caught
 
-    def _asked(self, name: str) -> Plan:
-        problem = Problem(self.situation, name, self.problem.scene)
+    def _asked(self, name: str) -> planners.Plan:
+        problem = planners.Problem(self.situation, name, self.problem.scene)
         if name == "straight":
-            return straight_plan(problem)
+            return planners.straight_plan(problem)
         planner = planner_of(name, self.spec.n, self.spec.rungs)
-        if not isinstance(planner, FrontPlanner):
+        if not isinstance(planner, planners.FrontPlanner):
             return planner.plan(self.situation)
         if planner.direct and self.plan("straight").caught:
             return replace(self.plan("straight"), planner=name)
         return planner.search(problem, partial(self._first_maps.setdefault, name))
 
-    def _bounded(self) -> Bounds:
-        return bounds(self.situation)
+    def _bounded(self) -> planners.Bounds:
+        return planners.bounds(self.situation)
 
 
 class SpatialCase(Case):
@@ -233,8 +213,8 @@ class SpatialCase(Case):
 
     persistent = "search"
 
-    def _begin(self) -> Plan | None:
-        self.problem = SpatialProblem(self.situation, "case")
+    def _begin(self) -> planners.Plan | None:
+        self.problem = planners.SpatialProblem(self.situation, "case")
         return self.problem.early_answer(keeps_acceleration=True)
 
     def _caught_straight(self) -> bool:
@@ -243,26 +223,28 @@ class SpatialCase(Case):
             return True
         if self.problem.accelerates:
             return False
-        return self._early is None and any_straight(self.problem, INSTANTS).caught
+        return self._early is None and planners.any_straight(self.problem, INSTANTS).caught
 
     def _caught_without_waiting(self) -> bool:
         """Return whether the persistent planner needs no rest for its catch."""
         plan = self.plan(self.persistent)
         if plan.trajectory is None or not plan.trajectory.rests:
             return plan.caught
-        return without_waits(self.problem, plan) is not None
+        return planners.without_waits(self.problem, plan) is not None
 
     def _explored(self) -> CognitiveMap:
         params = MarchingParams(n=self.spec.n, margin=0.0)
         return build_map(self.situation, params, scene=self.problem.scene)
 
-    def _asked(self, name: str) -> Plan:
+    def _asked(self, name: str) -> planners.Plan:
         effort = self.spec.effort if name == self.persistent else None
-        known: Any = get_planner(name) if effort is None else search_in_space(effort)
+        known: Any = (
+            planners.get_planner(name) if effort is None else planners.search_in_space(effort)
+        )
         return known.plan(self.situation)
 
-    def _bounded(self) -> Yardstick:
-        return yardstick(self.situation, 0.0, earliest=False)
+    def _bounded(self) -> planners.Yardstick:
+        return planners.yardstick(self.situation, 0.0, earliest=False)
 
 
 class ChainCase(SpatialCase):
@@ -272,7 +254,7 @@ class ChainCase(SpatialCase):
     def _several(self) -> bool:
         return self.situation.catch != "any" and len(self.situation.targets) > 1
 
-    def _begin(self) -> Plan | None:
+    def _begin(self) -> planners.Plan | None:
         early = super()._begin()
         untaken = early is not None and early.failure is Failure.SEVERAL_UNTAKEN
         return None if untaken else early
@@ -290,5 +272,5 @@ class ChainCase(SpatialCase):
         moves = self.plan(self.persistent).trajectory
         return moves is not None and not moves.rests
 
-    def _asked(self, name: str) -> Plan:
-        return solve(self.situation, name)
+    def _asked(self, name: str) -> planners.Plan:
+        return planners.solve(self.situation, name)

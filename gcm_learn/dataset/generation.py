@@ -15,13 +15,7 @@ import pyarrow.compute as pc
 
 from gcm_learn.dataset.folder import Folder
 from gcm_learn.dataset.item import make_item, no_item, warmed
-from gcm_learn.dataset.manifest import (
-    Manifest,
-    manifest_of,
-    present,
-    read_manifest,
-    write_manifest,
-)
+from gcm_learn.dataset.manifest import Manifest, manifest_of, present, read_manifest, write_manifest
 from gcm_learn.dataset.record import rows_of
 from gcm_learn.dataset.shards import ShardInfo, file_of, make_shard, read_columns, write_shard
 from gcm_learn.dataset.spec import DatasetSpec

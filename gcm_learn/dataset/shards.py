@@ -20,13 +20,7 @@ from gcm_learn import __version__, compiled
 from gcm_learn.dataset.folder import SHARDS, Folder
 from gcm_learn.dataset.item import make_item
 from gcm_learn.dataset.kinds import RECORDS, VERSIONS
-from gcm_learn.dataset.record import (
-    LABELS,
-    Record,
-    plan_column,
-    rows_of,
-    version_of,
-)
+from gcm_learn.dataset.record import LABELS, Record, plan_column, rows_of, version_of
 from gcm_learn.dataset.spec import DatasetSpec, spec_to_json
 from gcm_learn.errors import DatasetError
 from gcm_learn.storage import UNFINISHED

@@ -13,13 +13,7 @@ from typing import Any
 
 from gcm_learn import families
 from gcm_learn.errors import FileFormatError, SuiteError, UnknownNameError
-from gcm_learn.evaluation.suites import (
-    OUTSIDE,
-    SHIPPED,
-    Suite,
-    draw_suite,
-    drawn_names,
-)
+from gcm_learn.evaluation import suites
 from gcm_learn.referee import models_of
 from gcm_learn.situation import (
     AnySituation,
@@ -64,7 +58,7 @@ class Case:
 
 def case_names() -> list[str]:
     """Return all names that `cases` takes: suites that ship, drawn suites, families, presets."""
-    known = [*SHIPPED, *drawn_names(), *families.family_names(), *families.PRESETS]
+    known = [*suites.SHIPPED, *suites.drawn_names(), *families.family_names(), *families.PRESETS]
     return list(dict.fromkeys(known))
 
 
@@ -104,10 +98,10 @@ def cases(
             found.append(Case(source))
         elif str(source).lower().endswith(FILES):
             found += _counted(_of_file(Path(source), Path(source).name), count)
-        elif source in SHIPPED and (seed is None or source not in families.PRESETS):
-            found += _counted(_shipped(SHIPPED[str(source)]), count)
-        elif source in drawn_names():
-            lines = draw_suite(
+        elif source in suites.SHIPPED and (seed is None or source not in families.PRESETS):
+            found += _counted(_shipped(suites.SHIPPED[str(source)]), count)
+        elif source in suites.drawn_names():
+            lines = suites.draw_suite(
                 str(source), count or COUNT, None, workers, seed=seed, cluster=cluster,
                 progress=progress,
             )  # fmt: skip
@@ -123,10 +117,10 @@ def check_sources(sources: Iterable[str]) -> None:
         if source.lower().endswith(FILES):
             if not Path(source).is_file():
                 raise FileFormatError(f"{source}: cannot be read (No such file or directory)")
-        elif source in OUTSIDE:
+        elif source in suites.OUTSIDE:
             raise SuiteError(
                 f"suite {source!r}: its problems are not shipped; make a file with "
-                f"'{OUTSIDE[source]}' and give its name"
+                f"'{suites.OUTSIDE[source]}' and give its name"
             )
         elif source not in case_names():
             raise UnknownNameError.among("suite or family", source, case_names())
@@ -142,7 +136,7 @@ def cases_of(given: Any) -> list[Case]:
     return found
 
 
-def suite_lines(suite: Suite, made: Iterable[Case]) -> bytes:
+def suite_lines(suite: suites.Suite, made: Iterable[Case]) -> bytes:
     """Return the content of a suite's file: a line for each case, the warm-up first."""
     lines = [
         {
@@ -162,7 +156,7 @@ def _counted(found: list[Case], count: int | None) -> list[Case]:
     return [*warm, *[case for case in found if case.stratum != WARM_UP][:count]]
 
 
-def _shipped(suite: Suite) -> list[Case]:
+def _shipped(suite: suites.Suite) -> list[Case]:
     content = suite.content()
     with tempfile.TemporaryDirectory() as folder:
         place = Path(folder, f"{suite.name}.jsonl")

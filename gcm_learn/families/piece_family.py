@@ -11,14 +11,7 @@ import numpy as np
 from gcm_learn.arms import Arm
 from gcm_learn.families import layout
 from gcm_learn.families.family import TINY, PlanarFamily
-from gcm_learn.families.pieces import (
-    UPRIGHT,
-    Piece,
-    SpaceRanges,
-    Vector,
-    planar_body,
-    solid_body,
-)
+from gcm_learn.families.pieces import UPRIGHT, Piece, SpaceRanges, Vector, planar_body, solid_body
 from gcm_learn.families.ranges import (
     Range,
     Ranges,

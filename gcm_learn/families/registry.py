@@ -26,11 +26,7 @@ from gcm_learn.families.random_solid import RandomSolid
 from gcm_learn.families.ranges import Ranges
 from gcm_learn.families.space.bench import BenchSpace
 from gcm_learn.families.space.boxes import CrateSpace, TraySpace
-from gcm_learn.families.space.clutter import (
-    BehindPostSpace,
-    CrossingSwarmSpace,
-    StaticClutterSpace,
-)
+from gcm_learn.families.space.clutter import BehindPostSpace, CrossingSwarmSpace, StaticClutterSpace
 from gcm_learn.families.space.flights import (
     FallingSpace,
     LateTargetSpace,

@@ -7,9 +7,7 @@ from gcm_learn.motion.interception import (
     first_catch as first_catch,
     first_interception as first_interception,
 )
-from gcm_learn.motion.joint_interception import (
-    fastest_hand as fastest_hand,
-)
+from gcm_learn.motion.joint_interception import fastest_hand as fastest_hand
 from gcm_learn.motion.joint_trajectory import (
     joint_names as joint_names,
     to_csv as to_csv,

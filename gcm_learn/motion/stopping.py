@@ -14,14 +14,7 @@ from gcm_learn.motion.movement import REST, Movement
 from gcm_learn.motion.rules import rules_of
 from gcm_learn.motion.verification import verify
 from gcm_learn.scene import pack
-from gcm_learn.situation import (
-    AnySituation,
-    Body,
-    Disc,
-    PlanarQuadratic,
-    SolidQuadratic,
-    Sphere,
-)
+from gcm_learn.situation import AnySituation, Body, Disc, PlanarQuadratic, SolidQuadratic, Sphere
 
 SPANS = (0.2, 0.1, 0.3, 0.05)
 """Times of braking that are tried where accelerations have no limits [s]."""

@@ -11,15 +11,7 @@ from gcm_learn.motion import Failure, refine, straight_path
 from gcm_learn.planners import completion
 from gcm_learn.planners.plan import Plan
 from gcm_learn.planners.sipp import search
-from gcm_learn.planners.sipp_labels import (
-    PIECES,
-    Aim,
-    Catch,
-    Ground,
-    Hunt,
-    Labels,
-    Queue,
-)
+from gcm_learn.planners.sipp_labels import PIECES, Aim, Catch, Ground, Hunt, Labels, Queue
 
 MOST = 40_000  # labels that are taken up at most
 BRIEF = 4_000  # of them on the finer lattice

@@ -16,14 +16,7 @@ from typing import Any, Literal
 import numpy as np
 
 from gcm_learn.motion import SPACING, Movement, first_interception, refine, spread
-from gcm_learn.planners import (
-    Attempt,
-    Plan,
-    Problem,
-    SpatialProblem,
-    at_once,
-    attempt_of,
-)
+from gcm_learn.planners import Attempt, Plan, Problem, SpatialProblem, at_once, attempt_of
 from gcm_learn.recall import trials
 from gcm_learn.recall.hand_paths import HandQuery, HandWork, hand_work
 from gcm_learn.recall.headings import heading_of, signs_of

@@ -8,41 +8,19 @@ from typing import Any
 
 import numpy as np
 
+from gcm_learn import planners
 from gcm_learn.arms import CHAIN, PLANAR, SPATIAL, ByKind, Kind, kind_of
 from gcm_learn.errors import ArmKindError, RecallError
 from gcm_learn.maps import CognitiveMap
-from gcm_learn.planners import (
-    Plan,
-    Problem,
-    SpatialProblem,
-    earliest_straight,
-    straight_plan,
-)
-from gcm_learn.recall import hand_features, hand_paths, joint_features, joint_moves
-from gcm_learn.recall.adaptation import (
-    Adaptation,
-    HandTries,
-    JointTries,
-    Tries,
-    early_answer_in_space,
-)
-from gcm_learn.recall.features import (
-    Features,
-    Sizes,
-    hand_path_features,
-    joint_path_features,
-)
+from gcm_learn.recall import adaptation, hand_features, hand_paths, joint_features, joint_moves
+from gcm_learn.recall.features import Features, Sizes, hand_path_features, joint_path_features
 from gcm_learn.recall.map_features import (
     coarse_map,
     joint_map_features,
     planar_map,
     planar_map_features,
 )
-from gcm_learn.recall.raw_features import (
-    chain_raw_features,
-    hand_raw_features,
-    joint_raw_features,
-)
+from gcm_learn.recall.raw_features import chain_raw_features, hand_raw_features, joint_raw_features
 from gcm_learn.recall.waypoints import GOAL, Waypoints, hand_waypoints, joint_waypoints
 from gcm_learn.situation import AnySituation
 
@@ -75,11 +53,11 @@ class MemoryKind:
     """Features of a map of a canonical situation."""
     problem: Callable[[Any, str], Any]
     """A situation on its way to a plan, and by which planner."""
-    straight: Callable[[Any], Plan]
+    straight: Callable[[Any], planners.Plan]
     """Plan of a problem straight to the earliest interception."""
-    early_answer: Callable[[Any], Plan | None]
+    early_answer: Callable[[Any], planners.Plan | None]
     """Answer to a problem without a memory, None if it takes one."""
-    tries: Callable[[Any, Adaptation], Tries]
+    tries: Callable[[Any, adaptation.Adaptation], adaptation.Tries]
     """Memories tried on a problem."""
     pool: int
     """Memories recalled for each check: failures put similar ones back."""
@@ -109,10 +87,10 @@ MEMORIES = ByKind(
             in_joints=False,
             map_of=planar_map,
             map_features=planar_map_features,
-            problem=Problem,
-            straight=straight_plan,
-            early_answer=Problem.early_answer,
-            tries=HandTries,
+            problem=planners.Problem,
+            straight=planners.straight_plan,
+            early_answer=planners.Problem.early_answer,
+            tries=adaptation.HandTries,
             pool=10,
             penalty=4.0,
             lesson=Sizes(),
@@ -130,10 +108,10 @@ MEMORIES = ByKind(
             in_joints=True,
             map_of=coarse_map,
             map_features=joint_map_features,
-            problem=SpatialProblem,
-            straight=earliest_straight,
-            early_answer=early_answer_in_space,
-            tries=JointTries,
+            problem=planners.SpatialProblem,
+            straight=planners.earliest_straight,
+            early_answer=adaptation.early_answer_in_space,
+            tries=adaptation.JointTries,
             pool=4,
             penalty=1.0,
             lesson=Sizes(),
@@ -151,10 +129,10 @@ MEMORIES = ByKind(
             in_joints=True,
             map_of=coarse_map,
             map_features=joint_map_features,
-            problem=SpatialProblem,
-            straight=earliest_straight,
-            early_answer=early_answer_in_space,
-            tries=JointTries,
+            problem=planners.SpatialProblem,
+            straight=planners.earliest_straight,
+            early_answer=adaptation.early_answer_in_space,
+            tries=adaptation.JointTries,
             pool=4,
             penalty=1.0,
             lesson=Sizes(192, 40, 20, 6),  # a try costs tens of times as much
@@ -191,7 +169,7 @@ def same_kind(kind: Kind, situation: AnySituation, columns: int = 0) -> None:
         )
 
 
-def waypoints_of(situation: AnySituation, plan: Plan) -> Waypoints:
+def waypoints_of(situation: AnySituation, plan: planners.Plan) -> Waypoints:
     """Return the catch of a plan as memory keeps it.
 
     Parameters

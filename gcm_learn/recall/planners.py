@@ -11,23 +11,10 @@ from typing import Any, ClassVar, cast
 
 import numpy as np
 
-from gcm_learn import artifacts, seeding
+from gcm_learn import artifacts, planners, seeding
 from gcm_learn.arms import PLANAR, Kind, kind_of
 from gcm_learn.errors import RecallError
 from gcm_learn.motion import Failure
-from gcm_learn.planners import (
-    GAIN,
-    Attempt,
-    Deadline,
-    Plan,
-    Planner,
-    Problem,
-    Task,
-    as_ours,
-    checked,
-    deadline_of,
-    get_planner,
-)
 from gcm_learn.recall.adaptation import DEFAULT, Adaptation, HandTries, Tries, adapt, query_of
 from gcm_learn.recall.embedding import KEYS, map_encoder
 from gcm_learn.recall.files import MANIFEST
@@ -54,7 +41,7 @@ _REFILED = ["recall-map", *_FITTED]
 class Recollection:
     """A plan, and how it was recalled."""
 
-    plan: Plan
+    plan: planners.Plan
     memory: int | None
     """Number of the valid memory."""
     checked: int
@@ -86,7 +73,7 @@ class RecallPlanner:
         """Return whether there is a memory for arms of a kind."""
         return MEMORIES.takes(kind) if self.other is not None else kind == self.memory.kind
 
-    def plan(self, situation: AnySituation) -> Plan:
+    def plan(self, situation: AnySituation) -> planners.Plan:
         """Answer a situation."""
         return self.recollect(situation).plan
 
@@ -125,12 +112,12 @@ def _offer(chosen: np.ndarray, places: np.ndarray, query: np.ndarray | None = No
 
 
 def _first_plan(
-    problem: Task,
+    problem: planners.Task,
     tries: Tries,
     paths: tuple[np.ndarray, np.ndarray],
     offer: Offer,
     budget: Budget,
-) -> tuple[Plan, int, int]:
+) -> tuple[planners.Plan, int, int]:
     """Plan of the first valid memory, its place in the offer or -1, and paths checked."""
     total = 0
     while total < budget.tries:
@@ -139,7 +126,7 @@ def _first_plan(
         total += tried
         if attempt is None:
             break
-        plan, _ = checked(problem, attempt)
+        plan, _ = planners.checked(problem, attempt)
         if plan is not None:
             return plan, k, total
         # The verification has the last word: what is left is tried.
@@ -199,9 +186,9 @@ class SplinesPlanner:
     name: str = "splines-random"
     how: Adaptation = field(default_factory=Adaptation)
 
-    def plan(self, situation: Situation) -> Plan:
+    def plan(self, situation: Situation) -> planners.Plan:
         """Answer a situation."""
-        problem = Problem(situation, self.name)
+        problem = planners.Problem(situation, self.name)
         answer = problem.early_answer()
         if answer is not None:
             return answer
@@ -219,7 +206,7 @@ class HybridPlanner:
     """Recall first, plan when recall fails; with a deadline, also while there is time left."""
 
     recall: RecallPlanner
-    fallback: Planner | None = None
+    fallback: planners.Planner | None = None
     """Plans where nothing is recalled; by default the usual one of the kind of arm."""
     name: str = "hybrid"
 
@@ -233,8 +220,8 @@ class HybridPlanner:
         self,
         situation: Any,
         bound: float | None = None,
-        deadline: float | Deadline | None = None,
-    ) -> Plan:
+        deadline: float | planners.Deadline | None = None,
+    ) -> planners.Plan:
         """Answer a situation; the time of both is counted.
 
         Parameters
@@ -246,7 +233,7 @@ class HybridPlanner:
             See `Anytime`.  What is recalled bounds the search for an earlier catch.  A fallback
             that is not `Anytime` plans only where nothing is recalled, and gets neither.
         """
-        limit, most = deadline_of(deadline), math.inf if bound is None else bound
+        limit, most = planners.deadline_of(deadline), math.inf if bound is None else bound
         first = self.recall.plan(situation)
         if first.status == "start_blocked":
             return replace(first, planner=self.name)
@@ -257,7 +244,7 @@ class HybridPlanner:
             asked = {"bound": bound, "deadline": limit}
             bounded = {name: value for name, value in asked.items() if value is not None}
         if caught:
-            end = (first.catch_time or 0.0) - GAIN * situation.horizon
+            end = (first.catch_time or 0.0) - planners.GAIN * situation.horizon
             if "deadline" not in bounded or end <= 0.0 or bounded["deadline"].over:
                 return replace(first, planner=self.name)
             bounded |= {"bound": end}
@@ -271,7 +258,7 @@ class HybridPlanner:
 class Rollout:
     """The first choice, acted on without a check."""
 
-    attempt: Attempt | None
+    attempt: planners.Attempt | None
     """None if it cannot be adapted to any target in time."""
     worked: bool
     """True if it would have caught."""
@@ -283,14 +270,16 @@ def unverified(
     how: Adaptation = DEFAULT,
 ) -> Rollout:
     """Act on the first memory that is recalled, without verification."""
-    problem = Problem(situation, "recall-1")
+    problem = planners.Problem(situation, "recall-1")
     query = query_of(problem)
     chosen = memory.recall(memory.index.embed_query(situation, problem.scene), 1)
     if len(chosen) == 0:
         return Rollout(None, False)
     k = int(chosen[0])
     attempt = adapt(problem, Waypoints(memory.knots[k], memory.goals[k]), how, query)
-    return Rollout(attempt, attempt is not None and checked(problem, attempt)[0] is not None)
+    return Rollout(
+        attempt, attempt is not None and planners.checked(problem, attempt)[0] is not None
+    )
 
 
 def has_memory() -> bool:
@@ -324,7 +313,7 @@ def shipped_memory(name: str, kind: Kind = PLANAR) -> Memory:
 
 
 _memory = lru_cache(maxsize=8)(shipped_memory)
-_planner = lru_cache(maxsize=8)(lambda name: cast(Any, get_planner(name)).planner)
+_planner = lru_cache(maxsize=8)(lambda name: cast(Any, planners.get_planner(name)).planner)
 
 
 def _by_arm(planner: RecallPlanner, name: str) -> RecallPlanner:
@@ -355,13 +344,13 @@ def with_memory(name: str, memory: Memory) -> RecallPlanner | HybridPlanner:
         If the planner of that name does not recall.
     """
     if name == "hybrid":
-        return as_ours(HybridPlanner(RecallPlanner(memory, name=name)))
+        return planners.as_ours(HybridPlanner(RecallPlanner(memory, name=name)))
     if name == "recall":
-        return as_ours(RecallPlanner(memory))
+        return planners.as_ours(RecallPlanner(memory))
     if name == "recall-1":
-        return as_ours(RecallPlanner(memory, 1, name, novelty=0.0))
+        return planners.as_ours(RecallPlanner(memory, 1, name, novelty=0.0))
     if name in _REFILED:
-        return as_ours(RecallPlanner(_refiled(memory, name), name=name))
+        return planners.as_ours(RecallPlanner(_refiled(memory, name), name=name))
     known = ", ".join(["hybrid", "recall", "recall-1", *_REFILED])
     raise RecallError(f"planner {name!r}: takes no memory (planners that do: {known})")
 

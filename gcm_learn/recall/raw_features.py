@@ -24,14 +24,7 @@ from gcm_learn.compiled import by_type, njit
 from gcm_learn.motion.joint_interception import approach_axis, has_approach
 from gcm_learn.recall.headings import AHEAD, Heading, heading_of, nearest_target
 from gcm_learn.scene import Scene
-from gcm_learn.scene.bodies import (
-    HAND,
-    PART,
-    REACH,
-    SPIN,
-    WITHIN,
-    pose_at,
-)
+from gcm_learn.scene.bodies import HAND, PART, REACH, SPIN, WITHIN, pose_at
 from gcm_learn.scene.packing import pack
 from gcm_learn.scene.shapes.ball import off_bone
 from gcm_learn.scene.shapes.choice import long_axis

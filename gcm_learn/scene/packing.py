@@ -14,11 +14,7 @@ from gcm_learn.scene import bodies as k
 from gcm_learn.scene.bodies import Bodies
 from gcm_learn.scene.laws import LAWS, Frame, Tables, swing_tables
 from gcm_learn.scene.shapes.choice import entry_of
-from gcm_learn.situation import (
-    AnySituation,
-    Pendulum,
-    arm_frame,
-)
+from gcm_learn.situation import AnySituation, Pendulum, arm_frame
 
 
 class Limits(NamedTuple):

@@ -12,7 +12,7 @@ from gcm_learn.collision import WORK, desk_of
 from gcm_learn.motion import fastest_hand
 from gcm_learn.scene import Scene
 from gcm_learn.wave import (
-    agenda,
+    agendas,
     layered,
     marching,
     posture_marching as space,
@@ -69,7 +69,7 @@ def march_layers_in_plane(
     n, speed = lattice.n, fastest_in_plane(scene)
     crossing = lattice.spacing / speed
     room, nowhere = STATES_PER_CELL * n * n, np.full((n + 2) ** 2, -1, dtype=np.int32)
-    sheets = agenda.Sheets(np.empty((room, 3), dtype=np.int32), np.empty((room, 2)), nowhere)
+    sheets = agendas.Sheets(np.empty((room, 3), dtype=np.int32), np.empty((room, 2)), nowhere)
     refused = np.zeros(n * n, dtype=np.bool_)
     count, state, body, time = layered.march_layers(
         _plane(scene, lattice),
@@ -78,13 +78,13 @@ def march_layers_in_plane(
         sheets,
         refused,
     )
-    place = sheets.states[:count, agenda.CELL].astype(np.int64)
+    place = sheets.states[:count, agendas.CELL].astype(np.int64)
     return all_arrivals(
         lattice,
         (place // (n + 2) - 1) * n + place % (n + 2) - 1,
-        sheets.states[:count, agenda.VIA].astype(np.int64),
-        sheets.spans[:count, agenda.ARRIVAL] * crossing,
-        sheets.spans[:count, agenda.END] * crossing,
+        sheets.states[:count, agendas.VIA].astype(np.int64),
+        sheets.spans[:count, agendas.ARRIVAL] * crossing,
+        sheets.spans[:count, agendas.END] * crossing,
         refused,
         (state, body, time * crossing),
     )

@@ -20,26 +20,7 @@ from gcm_learn.collision.intervals import NEVER, meet, shorten, target_ways
 from gcm_learn.collision.occupancy import blocked_cells
 from gcm_learn.compiled import njit
 from gcm_learn.scene.bodies import poses_at
-from gcm_learn.wave.agenda import (
-    ARRIVAL,
-    ARRIVE,
-    CELL,
-    END,
-    FROM_HAND,
-    ITSELF,
-    PASSING,
-    SETTLED,
-    SOURCE,
-    VIA,
-    Agenda,
-    Batch,
-    keep_free,
-    keep_useful,
-    pop,
-    push,
-    put_off,
-    seed,
-)
+from gcm_learn.wave import agendas
 from gcm_learn.wave.buckets import queue_of
 from gcm_learn.wave.plane import (
     BEYOND,
@@ -60,9 +41,9 @@ COARSE = 0.2  # resolution of intervals and meetings [crossings]; plans are veri
 @njit(_nrt=False)
 def offset(source, i, j, plane, states):
     """Vector (di, dj) from cell (i, j) to a source."""
-    if source == FROM_HAND:
+    if source == agendas.FROM_HAND:
         return plane.hand_i - i, plane.hand_j - j
-    k, W = states[source, CELL], plane.n + 2
+    k, W = states[source, agendas.CELL], plane.n + 2
     row = row_of(k, W)
     return float(row - i), float(k - row * W - j)
 
@@ -71,7 +52,7 @@ def offset(source, i, j, plane, states):
 def waits_in(k, time, sheets):
     """Tell whether the hand has come to cell k and may be there at `time`."""
     s = sheets.latest[k]
-    return s >= 0 and sheets.spans[s, END] >= time
+    return s >= 0 and sheets.spans[s, agendas.END] >= time
 
 
 @njit(_nrt=False, forceinline=True)
@@ -82,7 +63,7 @@ def bend(s, k, q, di, dj, plane, sheets):
     q is reached across a corner only, which is too narrow, they are (NEVER, -1).
     """
     n, latest, spans = plane.n, sheets.latest, sheets.spans
-    W, now = n + 2, spans[s, ARRIVAL]
+    W, now = n + 2, spans[s, agendas.ARRIVAL]
     limited = plane.turns.shape[0] > 0
     if di != 0 and dj != 0:
         if not (waits_in(k + di * W, now, sheets) or waits_in(k + dj, now, sheets)):
@@ -102,8 +83,8 @@ def bend(s, k, q, di, dj, plane, sheets):
         step = ROOT2
         if limited:
             step = step_time(plane, bare(q, n), bare(e, n), 0, 0.0, step)
-        if spans[latest[e], ARRIVAL] + step < best:
-            best, home = spans[latest[e], ARRIVAL] + step, latest[e]
+        if spans[latest[e], agendas.ARRIVAL] + step < best:
+            best, home = spans[latest[e], agendas.ARRIVAL] + step, latest[e]
     return best, home
 
 
@@ -119,17 +100,17 @@ def expand(first, last, bucket, plane, sheets, agenda):  # noqa: C901  one decis
     W = n + 2
     limited = plane.turns.shape[0] > 0
     for s in range(first, last):
-        k = states[s, CELL]
-        home = states[s, SOURCE]
-        if home == ITSELF:
+        k = states[s, agendas.CELL]
+        home = states[s, agendas.SOURCE]
+        if home == agendas.ITSELF:
             home = s
         ci = row_of(k, W)
         cj = k - ci * W
-        now = spans[s, ARRIVAL]
+        now = spans[s, agendas.ARRIVAL]
         for d in range(8):
             di, dj = STEP_I[d], STEP_J[d]
             q = k + di * W + dj
-            if status[q] != UNKNOWN and status[q] != PASSING:
+            if status[q] != UNKNOWN and status[q] != agendas.PASSING:
                 continue
             if source_of[q] == home and tent[q] < NEVER:
                 continue
@@ -150,15 +131,15 @@ def expand(first, last, bucket, plane, sheets, agenda):  # noqa: C901  one decis
                 beside = corner if k == major else major
                 other = latest[beside]
                 open_ = status[beside] == BEYOND  # the ring is convex outwards: rays may graze it
-                if open_ or (other >= 0 and spans[other, END] >= now):
-                    rival = home if open_ else states[other, SOURCE]
-                    if rival == ITSELF:
+                if open_ or (other >= 0 and spans[other, agendas.END] >= now):
+                    rival = home if open_ else states[other, agendas.SOURCE]
+                    if rival == agendas.ITSELF:
                         rival = other
-                    start = 0.0 if home == FROM_HAND else spans[home, ARRIVAL]
+                    start = 0.0 if home == agendas.FROM_HAND else spans[home, agendas.ARRIVAL]
                     time, source, via = start + np.sqrt(dx * dx + dy * dy), home, home
                     if rival != home and other != home:
                         dy, dx = offset(rival, ci + di, cj + dj, plane, states)
-                        start = 0.0 if rival == FROM_HAND else spans[rival, ARRIVAL]
+                        start = 0.0 if rival == agendas.FROM_HAND else spans[rival, agendas.ARRIVAL]
                         later = start + np.sqrt(dx * dx + dy * dy)
                         if later > time:
                             time, source, via = later, rival, rival
@@ -167,20 +148,20 @@ def expand(first, last, bucket, plane, sheets, agenda):  # noqa: C901  one decis
                         share = slope if k == major else 1.0 - slope
                         time, to = now, k
                         if other >= 0:
-                            time += share * max(spans[other, ARRIVAL] - now, -1.0)
+                            time += share * max(spans[other, agendas.ARRIVAL] - now, -1.0)
                             to = beside
                         length = np.sqrt(1.0 + slope * slope)
                         time += step_time(plane, bare(q, n), bare(k, n), bare(to, n), share, length)
                     if time > bent + 1e-9:  # the straight front is late here: go round by a cell
                         time, source, via = bent, home_of_bend, home_of_bend
-            if latest[q] >= 0 and time <= spans[latest[q], END]:
+            if latest[q] >= 0 and time <= spans[latest[q], agendas.END]:
                 continue
             if again[q] < NEVER and time <= again[q]:
                 continue  # known to be blocked until then; `way_in` will find this state
             if time >= tent[q] + (1e-9 if source == home else -1e-9):  # a straight ray wins a tie
                 continue
             tent[q], source_of[q], agenda.via_of[q] = time, source, via
-            push(q, time, ARRIVE, bucket, agenda)
+            agendas.push(q, time, agendas.ARRIVE, bucket, agenda)
 
 
 @njit(_nrt=False)
@@ -189,13 +170,13 @@ def write_down(total, free, terms, sheets, agenda, batch):
     states, spans = sheets.states, sheets.spans
     for i in range(free):
         s, k = total + i, batch.places[i]
-        states[s, CELL], states[s, SOURCE] = k, batch.origins[i, 0]
-        states[s, VIA], sheets.latest[k] = batch.origins[i, 1], s
+        states[s, agendas.CELL], states[s, agendas.SOURCE] = k, batch.origins[i, 0]
+        states[s, agendas.VIA], sheets.latest[k] = batch.origins[i, 1], s
         # Untouched for as long as it is of use is as good as for ever.
         lasts = batch.until[i] >= batch.limits[i]
-        spans[s, ARRIVAL] = batch.start[i]
-        spans[s, END] = terms.end if lasts else batch.until[i] / terms.kappa
-        agenda.status[k] = SETTLED if lasts else PASSING
+        spans[s, agendas.ARRIVAL] = batch.start[i]
+        spans[s, agendas.END] = terms.end if lasts else batch.until[i] / terms.kappa
+        agenda.status[k] = agendas.SETTLED if lasts else agendas.PASSING
         batch.which[i] = not lasts
 
 
@@ -207,7 +188,7 @@ def agenda_of(plane):
     none = np.full((2, size), -9, dtype=np.int32)
     queue, turns = queue_of(20 * n * n, BUCKETS), np.zeros(size, dtype=np.int32)
     tent, again = np.full(size, NEVER), np.full(size, NEVER)
-    return Agenda(plane.outside.copy(), tent, again, none[0], none[1], queue, turns)
+    return agendas.Agenda(plane.outside.copy(), tent, again, none[0], none[1], queue, turns)
 
 
 @njit
@@ -216,7 +197,7 @@ def batch_of(n):
     cells, places = np.empty(n * n, dtype=np.int64), np.empty(n * n, dtype=np.int64)
     since, until, start, limits = np.empty((4, n * n))
     origins, which = np.empty((n * n, 2), dtype=np.int32), np.empty(n * n, dtype=np.bool_)
-    return Batch(places, cells, start, origins, limits, since, until, which)
+    return agendas.Batch(places, cells, start, origins, limits, since, until, which)
 
 
 @njit
@@ -246,7 +227,7 @@ def march_layers(plane, terms, postures, sheets, refused):
     agenda, batch = agenda_of(plane), batch_of(plane.n)
     heads, cells, since, until = agenda.queue.heads, batch.cells, batch.since, batch.until
     ways = target_ways(postures.bodies, terms.grasp, end * kappa)
-    seed(plane, agenda)
+    agendas.seed(plane, agenda)
     total, met, body, when, bucket, idle = 0, -1, -1, end * kappa, 0, 0
     last = end * PER_CELL
     while (
@@ -257,18 +238,18 @@ def march_layers(plane, terms, postures, sheets, refused):
         posed = False
         while heads[bucket % BUCKETS] >= 0:
             idle = 0
-            count = pop(bucket, plane, terms, agenda, sheets, batch)
+            count = agendas.pop(bucket, plane, terms, agenda, sheets, batch)
             if count > 0 and not posed:
                 poses_at(postures.bodies, now * kappa, postures.poses)
                 posed = True
-            count = keep_useful(count, ways, when, postures.limb, terms, batch)
+            count = agendas.keep_useful(count, ways, when, postures.limb, terms, batch)
             blocked_cells(postures, cells, since, count, now * kappa, terms.shortest, batch.which)
             # Surely in a later bucket, or a cell could be refused here for ever.
             until[:count] = (now + 1e-6) * kappa
-            put_off(count, bucket, postures, terms, agenda, batch)
+            agendas.put_off(count, bucket, postures, terms, agenda, batch)
             for i in range(count):
                 refused[cells[i]] |= batch.which[i]
-            free = keep_free(count, sheets.states.shape[0] - total, batch)
+            free = agendas.keep_free(count, sheets.states.shape[0] - total, batch)
             for i in range(free):
                 since[i], until[i] = batch.start[i] * kappa, batch.limits[i]
             shorten(postures, cells, since, until, free, coarse)
@@ -278,7 +259,7 @@ def march_layers(plane, terms, postures, sheets, refused):
             if index >= 0:
                 met, body, when = total + index, target, t
             write_down(total, free, terms, sheets, agenda, batch)
-            put_off(free, bucket, postures, terms, agenda, batch)
+            agendas.put_off(free, bucket, postures, terms, agenda, batch)
             expand(total, total + free, bucket, plane, sheets, agenda)
             total += free
         bucket += 1

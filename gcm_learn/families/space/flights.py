@@ -10,15 +10,7 @@ import numpy as np
 from gcm_learn.arms import SPATIAL, SpatialArm
 from gcm_learn.families import ranges
 from gcm_learn.families.layout import TRIES
-from gcm_learn.families.space.family import (
-    SpatialFamily,
-    Story,
-    Things,
-    across,
-    aimed,
-    fits,
-    sentry,
-)
+from gcm_learn.families.space import family
 from gcm_learn.families.space.solids import UP, axes_along, flight, gap, solid, unit_vector
 from gcm_learn.families.space.stage import Stage, Way
 from gcm_learn.situation import Body, Box, Situation
@@ -28,7 +20,7 @@ SEEN = 0.15  # of a flight before the meeting, in which balls keep off a shelf [
 
 
 @dataclass(frozen=True)
-class ThrownFamily(SpatialFamily):
+class ThrownFamily(family.SpatialFamily):
     """Base of families with a ball that is thrown from afar, and caught on its way down."""
 
     when: ranges.Range = ranges.span(0.5, 0.9, 0.1, 0.95)
@@ -73,7 +65,7 @@ class OverShelfSpace(ThrownFamily):
     posts: float = ranges.number(0.6)
     """Share of shelves on a wall at that side, round which there is no way."""
 
-    def story(self, rng: np.random.Generator, stage: Stage) -> Story:
+    def story(self, rng: np.random.Generator, stage: Stage) -> family.Story:
         """A thrown ball, a shelf, perhaps a wall at its side."""
         height = ranges.pick(rng, self.height)
         edge = ranges.pick(rng, self.edge) + (
@@ -91,7 +83,7 @@ class OverShelfSpace(ThrownFamily):
             ball = self.thrown_ball(rng, stage, way.meet, when)
             if _keeps_off(ball, shelf, when):
                 break
-        return Story(way, when, (ball, *shelf), _lands(ball, height, when))
+        return family.Story(way, when, (ball, *shelf), _lands(ball, height, when))
 
     def _shelf(
         self, rng: np.random.Generator, stage: Stage, height: float, edge: float
@@ -127,20 +119,22 @@ class LateTargetSpace(ThrownFamily):
     share: ranges.Range = ranges.span(0.25, 0.8, most=1.0)
     """Places on the way at which they stand, as shares of it."""
 
-    def story(self, rng: np.random.Generator, stage: Stage) -> Story:
+    def story(self, rng: np.random.Generator, stage: Stage) -> family.Story:
         """A thrown ball, what is in its place, what stands in the way."""
         way, when = stage.way(rng, self.takes), ranges.pick(rng, self.when) * stage.horizon
         bodies = [self.thrown_ball(rng, stage, way.meet, when)]
         if rng.random() < self.sentries:
             gone = ranges.pick(rng, self.leaves) * when
-            bodies.append(sentry(rng, stage, way, self.sentry, gone))
+            bodies.append(family.sentry(rng, stage, way, self.sentry, gone))
         for k in range(ranges.pick_count(rng, self.obstacles)):
-            bodies.append(aimed(rng, stage, way, Things(), self.share, f"{k + 1}", when))
-        return Story(way, when, tuple(bodies))
+            bodies.append(
+                family.aimed(rng, stage, way, family.Things(), self.share, f"{k + 1}", when)
+            )
+        return family.Story(way, when, tuple(bodies))
 
 
 @dataclass(frozen=True)
-class FallingSpace(SpatialFamily):
+class FallingSpace(family.SpatialFamily):
     """A ball falls past shelves, among boards, bars and balls that fall as well.
 
     It asks for a way round the shelves in the time that a fall takes, between what falls.
@@ -161,9 +155,9 @@ class FallingSpace(SpatialFamily):
     """Time of the meeting [horizons]."""
     share: ranges.Range = ranges.span(0.25, 0.85, most=1.0)
     """Places of obstacles on the way, as shares of it."""
-    things: Things = field(default_factory=lambda: Things(boards=0.4, bars=0.4))
+    things: family.Things = field(default_factory=lambda: family.Things(boards=0.4, bars=0.4))
 
-    def story(self, rng: np.random.Generator, stage: Stage) -> Story:
+    def story(self, rng: np.random.Generator, stage: Stage) -> family.Story:
         """A ball, shelves, what falls."""
         way, when = stage.way(rng, self.takes), ranges.pick(rng, self.when) * stage.horizon
         velocity, pull = self._toss(rng, stage, when)
@@ -172,10 +166,10 @@ class FallingSpace(SpatialFamily):
             make = self._shelf if rng.random() < self.shelves else self._faller
             for _ in range(TRIES):
                 body = make(rng, stage, way, when, f"{k + 1}")
-                if fits(stage, way, when, (body,)):
+                if family.fits(stage, way, when, (body,)):
                     break
             bodies.append(body)
-        return Story(way, when, tuple(bodies))
+        return family.Story(way, when, tuple(bodies))
 
     def _toss(
         self, rng: np.random.Generator, stage: Stage, when: float
@@ -190,7 +184,7 @@ class FallingSpace(SpatialFamily):
         self, rng: np.random.Generator, stage: Stage, way: Way, when: float, name: str
     ) -> Body:
         """A level board across the way."""
-        place, axes = across(rng, stage, way, ranges.pick(rng, self.share))
+        place, axes = family.across(rng, stage, way, ranges.pick(rng, self.share))
         sizes = (ranges.pick(rng, self.things.length), ranges.pick(rng, self.things.width), THIN)
         return solid(f"shelf {name}", Box(sizes), place, axes_along(UP, axes[:, 2]))
 
@@ -200,7 +194,7 @@ class FallingSpace(SpatialFamily):
         """Something that falls through the way when the limb is there, or until the ball comes."""
         kind, shape = self.things.shape(rng)
         share = ranges.pick(rng, self.share)
-        place, axes = across(rng, stage, way, share)
+        place, axes = family.across(rng, stage, way, share)
         at = share * way.takes + rng.random() * (when - share * way.takes)
         velocity, pull = self._toss(rng, stage, at)
         return solid(f"{kind} {name}", shape, place, axes, when=at, velocity=velocity, pull=pull)
@@ -225,7 +219,7 @@ def _keeps_off(ball: Body, bodies: tuple[Body, ...], when: float) -> bool:
 
 
 @dataclass(frozen=True)
-class SequenceSpace(SpatialFamily):
+class SequenceSpace(family.SpatialFamily):
     """Several balls fly by among boards, bars and balls at rest; as many as possible are wanted.
 
     It asks for an order: each ball is within reach for its own time, and each way takes time.
@@ -243,11 +237,11 @@ class SequenceSpace(SpatialFamily):
     """Of the balls [forearms/s]."""
     obstacles: ranges.Counts = ranges.counts(2, 4)
     """Number of obstacles, which rest across the way to the first ball."""
-    things: Things = field(default_factory=Things)
+    things: family.Things = field(default_factory=family.Things)
     share: ranges.Range = ranges.span(0.25, 0.8, most=1.0)
     """Places on that way at which they stand, as shares of it."""
 
-    def story(self, rng: np.random.Generator, stage: Stage) -> Story:
+    def story(self, rng: np.random.Generator, stage: Stage) -> family.Story:
         """All balls, each with a place of its own to be caught, and what stands in the way."""
         way = stage.way(rng, self.takes)
         bodies = [self._passing(rng, stage, way, way.takes)]
@@ -256,8 +250,10 @@ class SequenceSpace(SpatialFamily):
             other = self._passing(rng, stage, stage.way(rng, self.takes), when)
             bodies.append(replace(other, name=f"target {k + 1}"))
         for k in range(ranges.pick_count(rng, self.obstacles)):
-            bodies.append(aimed(rng, stage, way, self.things, self.share, f"{k + 1}", way.takes))
-        return Story(way, way.takes, tuple(bodies))
+            bodies.append(
+                family.aimed(rng, stage, way, self.things, self.share, f"{k + 1}", way.takes)
+            )
+        return family.Story(way, way.takes, tuple(bodies))
 
     def sketch(self, rng: np.random.Generator, name: str) -> Situation[SpatialArm]:
         """Draw once, the limb free or not; most of the balls are wanted."""

@@ -19,12 +19,7 @@ from gcm_learn.compiled import njit
 from gcm_learn.errors import ArmKindError
 from gcm_learn.motion.joint_interception import target_room
 from gcm_learn.planners.completion import Attempt, SpatialProblem
-from gcm_learn.planners.joints.moves import (
-    Study,
-    time_of,
-    timed_move_is_free,
-    turning_time,
-)
+from gcm_learn.planners.joints.moves import Study, time_of, timed_move_is_free, turning_time
 from gcm_learn.planners.joints.pull import box, pulled
 from gcm_learn.planners.joints.straight import attempt_along, soonest_straight
 from gcm_learn.scene import Scene

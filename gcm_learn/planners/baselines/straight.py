@@ -8,14 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from gcm_learn import motion
 from gcm_learn.arms import PLANAR, ByKind
-from gcm_learn.motion import (
-    Failure,
-    Reason,
-    first_interception,
-    segment_times,
-    straight_path,
-)
 from gcm_learn.planners.completion import Problem, SpatialProblem, checked, finish, straight_plan
 from gcm_learn.planners.joints.straight import any_straight, earliest_straight
 from gcm_learn.planners.plan import Plan, any_arm
@@ -84,7 +78,7 @@ class StraightWaitPlanner:
         at_once = StraightPlanner(self.name).plan(problem.situation)
         if at_once.caught:
             return at_once
-        reason: Reason | None = Reason(Failure.NO_STRAIGHT_LINE)
+        reason: motion.Reason | None = motion.Reason(motion.Failure.NO_STRAIGHT_LINE)
         for path, leave, end in self._interceptions(problem):
             spare = max(end - leave[-1], 0.0)
             for share in self.shares if spare > problem.rules.instant else (0.0,):
@@ -96,7 +90,7 @@ class StraightWaitPlanner:
                 plan, reason = checked(problem, attempt)
                 if plan is not None:
                     return plan
-        return problem.answer(reason or Failure.NO_STRAIGHT_LINE)
+        return problem.answer(reason or motion.Failure.NO_STRAIGHT_LINE)
 
     def _interceptions(self, problem: Problem) -> Iterator[tuple[np.ndarray, np.ndarray, float]]:
         """Straight paths (m, 2) to interceptions, their times (m,) without waits, and when."""
@@ -110,15 +104,15 @@ class StraightWaitPlanner:
             if t <= last:  # the target is away for a while, or for good
                 continue
             last = t
-            path = straight_path(start, np.array([x, y]))
-            leave = np.concatenate([[0.0], np.cumsum(segment_times(arm, path))])
+            path = motion.straight_path(start, np.array([x, y]))
+            leave = np.concatenate([[0.0], np.cumsum(motion.segment_times(arm, path))])
             if leave[-1] <= t * (1.0 + 1e-9):
                 yield path, leave, t
 
     def _meet(self, problem: Problem, since: float) -> tuple[float, float, float]:
         """Earliest interception from some time on: when (-1 if never) and where."""
         situation, rules = problem.situation, problem.rules
-        t, _, x, y = first_interception(
+        t, _, x, y = motion.first_interception(
             problem.scene, rules, *situation.arm.hand, 0.0, since, situation.horizon
         )
         return float(t), float(x), float(y)

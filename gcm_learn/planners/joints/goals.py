@@ -4,20 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from gcm_learn.arms.limbs import (
-    hand_of,
-    place,
-    reach_of,
-)
+from gcm_learn.arms.limbs import hand_of, place, reach_of
 from gcm_learn.compiled import njit
-from gcm_learn.motion.joint_interception import (
-    target_room,
-)
-from gcm_learn.planners.joints.moves import (
-    rest_is_free,
-    time_of,
-    timed_move_is_free,
-)
+from gcm_learn.motion.joint_interception import target_room
+from gcm_learn.planners.joints.moves import rest_is_free, time_of, timed_move_is_free
 from gcm_learn.planners.joints.pull import met_from, slope_at
 
 HALVINGS = 10  # of the time by which a catch may become earlier

@@ -7,12 +7,7 @@ import numpy as np
 from gcm_learn.arms.limbs import axis_of, axis_turns, dof, hand_of, jacobian, place
 from gcm_learn.collision.distance import point_distance
 from gcm_learn.compiled import njit
-from gcm_learn.motion.joint_interception import (
-    ANGLE,
-    angle_between,
-    approach_axis,
-    has_approach,
-)
+from gcm_learn.motion import joint_interception
 from gcm_learn.planners.joints.moves import HAIR, time_of
 from gcm_learn.scene.bodies import WITHIN, pose_at
 
@@ -86,19 +81,19 @@ def _pulled_along(study, b, t, q):
     Newton's method on distance and angle together, damped; joints that would leave their box are
     held for a round.  Returns 1 for success, 0 for failure, -1 for a target without approach.
     """
-    if not has_approach(study.scene, b):
+    if not joint_interception.has_approach(study.scene, b):
         return -1
     scene, poses, rate = study.scene, study.desk.poses, study.scene.limits.joint_speed
     limb, within = scene.limb, scene.bodies.rows[b, WITHIN]
     pose_at(scene.bodies, b, t, poses)
-    ax, ay, az = approach_axis(scene, b, t, poses)
+    ax, ay, az = joint_interception.approach_axis(scene, b, t, poses)
     for _ in range(2 * ROUNDS):
         where = place(limb, q)
         x, y, z = hand_of(limb, where)
         room = point_distance(scene.bodies, poses, b, x, y, z) - study.catch
         bx, by, bz = axis_of(limb, where)
-        excess = angle_between((ax, ay, az), (bx, by, bz)) - within
-        if room <= 0.0 and excess <= 0.5 * ANGLE:
+        excess = joint_interception.angle_between((ax, ay, az), (bx, by, bz)) - within
+        if room <= 0.0 and excess <= 0.5 * joint_interception.ANGLE:
             return 1
         nx, ny, nz = _slope(study, b, x, y, z)
         jacobian(limb, q, study.jacobian)

@@ -11,21 +11,10 @@ from gcm_learn.arms.curves import line
 from gcm_learn.arms.limbs import hand_of, place, postures_at, reach_of
 from gcm_learn.arms.swivels import BRANCHES
 from gcm_learn.compiled import njit
-from gcm_learn.motion import Failure, Movement
-from gcm_learn.motion.joint_interception import (
-    fastest_hand,
-    first_meeting,
-    met_at,
-    target_room,
-)
+from gcm_learn.motion import Failure, Movement, joint_interception
 from gcm_learn.planners.completion import Attempt, SpatialProblem, checked
 from gcm_learn.planners.joints.goals import PLACES, place_on
-from gcm_learn.planners.joints.moves import (
-    Study,
-    rest_is_free,
-    time_of,
-    timed_move_is_free,
-)
+from gcm_learn.planners.joints.moves import Study, rest_is_free, time_of, timed_move_is_free
 from gcm_learn.planners.joints.pull import met_from
 from gcm_learn.planners.plan import Plan
 from gcm_learn.scene.bodies import BALL, HAND, PART
@@ -80,16 +69,16 @@ def add_straight(study, goals, b, t, swivels):
 def meet_straight(study, goals, t, swivels):
     """Forget the goals that there are, and add those for all targets at t [s]; see above."""
     scene, poses = study.scene, study.desk.poses
-    limb, speed = scene.limb, fastest_hand(scene)
+    limb, speed = scene.limb, joint_interception.fastest_hand(scene)
     far = reach_of(limb)
     x, y, z = hand_of(limb, place(limb, limb.start))
     goals.size[0] = 0
     for b in range(scene.bodies.rows.shape[0]):
         if scene.bodies.rows[b, PART] != HAND:
             continue
-        if target_room(scene, b, x, y, z, t, poses) > study.catch + speed * t:
+        if joint_interception.target_room(scene, b, x, y, z, t, poses) > study.catch + speed * t:
             continue
-        if target_room(scene, b, 0.0, 0.0, 0.0, t, poses) <= study.catch + far:
+        if joint_interception.target_room(scene, b, 0.0, 0.0, 0.0, t, poses) <= study.catch + far:
             add_straight(study, goals, b, t, swivels)
 
 
@@ -130,7 +119,7 @@ def straight_is_free(study, p, begin, end, until):
 def at_once(problem: SpatialProblem) -> Plan | None:
     """The catch of a target that is there at t = 0."""
     scene, poses = problem.scene, np.zeros((len(problem.situation.bodies), 12))
-    body = met_at(scene, scene.limb.start, 0.0, problem.rules.catch, poses)
+    body = joint_interception.met_at(scene, scene.limb.start, 0.0, problem.rules.catch, poses)
     if body < 0:
         return None
     rates = scene.limb.rates[None].copy() if problem.accelerates else None
@@ -275,7 +264,7 @@ def _cut(
     """A timed path (n,), (n, dof), up to the first target within reach."""
     for k in range(len(time) - 1):
         line(joints[k], joints[k + 1], study.desk.curve)
-        t, b = first_meeting(
+        t, b = joint_interception.first_meeting(
             study.scene,
             study.desk.curve,
             time[k],

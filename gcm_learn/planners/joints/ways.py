@@ -9,14 +9,8 @@ import numpy as np
 from gcm_learn.arms.curves import line
 from gcm_learn.compiled import njit
 from gcm_learn.motion.joint_interception import first_meeting
+from gcm_learn.planners.joints import moves
 from gcm_learn.planners.joints.goals import earlier, reach
-from gcm_learn.planners.joints.moves import (
-    PIECES,
-    between,
-    rest_is_free,
-    time_of,
-    timed_move_is_free,
-)
 
 MOST = 512  # postures of a way
 
@@ -71,14 +65,14 @@ def _leap(study, way, k, since, m):
     is not free.
     """
     q, p = way.joints[k], way.joints[m]
-    took, pieces = time_of(study, q, p)
+    took, pieces = moves.time_of(study, q, p)
     arrive, before = since + took, way.reached[m]
     if arrive > before:
         return -1.0
-    if timed_move_is_free(study, q, since, p, arrive, pieces):
-        if rest_is_free(study, p, arrive, before):
+    if moves.timed_move_is_free(study, q, since, p, arrive, pieces):
+        if moves.rest_is_free(study, p, arrive, before):
             return arrive
-    if arrive < before and timed_move_is_free(study, q, since, p, before, pieces):
+    if arrive < before and moves.timed_move_is_free(study, q, since, p, before, pieces):
         return before
     return -1.0
 
@@ -131,7 +125,7 @@ def samples_of(study, way):
     body : int
         That is caught.
     """
-    most = way.size[0] * (PIECES + 2)
+    most = way.size[0] * (moves.PIECES + 2)
     time, joints, n = np.empty(most), np.empty((most, way.joints.shape[1])), 1
     time[0] = 0.0
     joints[0] = way.joints[0]
@@ -140,10 +134,10 @@ def samples_of(study, way):
         n = _append(time, joints, n, q, way.left[k])
         if k + 1 < way.size[0]:
             p, begin, end = way.joints[k + 1], way.left[k], way.reached[k + 1]
-            took, pieces = time_of(study, q, p)
+            took, pieces = moves.time_of(study, q, p)
             stretch = (end - begin) / took if took > 0.0 else 0.0
             for i in range(pieces - 1):
-                between(q, p, (i + 1.0) / pieces, study.near)
+                moves.between(q, p, (i + 1.0) / pieces, study.near)
                 n = _append(time, joints, n, study.near, begin + stretch * study.pace[i])
             n = _append(time, joints, n, p, end)
     curve, work = study.desk.curve, study.near
@@ -153,7 +147,7 @@ def samples_of(study, way):
             study.scene, curve, time[k], time[k + 1], study.catch, study.instant, study.desk.poses
         )
         if b >= 0 and t > time[k]:
-            between(joints[k], joints[k + 1], (t - time[k]) / (time[k + 1] - time[k]), work)
+            moves.between(joints[k], joints[k + 1], (t - time[k]) / (time[k + 1] - time[k]), work)
             time[k + 1] = t
             joints[k + 1] = work
             return time[: k + 2].copy(), joints[: k + 2].copy(), b

@@ -19,13 +19,7 @@ from typing import Any, Literal, NamedTuple, cast
 import numpy as np
 
 from gcm_learn.arms import PLANAR, SPATIAL, ByKind, Kind, SpatialArm
-from gcm_learn.motion import (
-    Failure,
-    Reason,
-    anywhere,
-    first_interception,
-    straight_path,
-)
+from gcm_learn.motion import Failure, Reason, anywhere, first_interception, straight_path
 from gcm_learn.planners.baselines.straight import StraightPlanner
 from gcm_learn.planners.completion import Problem, checked, finish
 from gcm_learn.planners.fronts import marching

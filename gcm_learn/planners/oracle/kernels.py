@@ -20,17 +20,7 @@ from gcm_learn.collision.distance import arm_distance
 from gcm_learn.collision.occupancy import first_touch
 from gcm_learn.compiled import njit
 from gcm_learn.motion.rules import Rules
-from gcm_learn.planners.oracle.moves import (
-    COUNT,
-    MOVES,
-    PAST,
-    START,
-    clear,
-    earliest,
-    leg_from,
-    move_time,
-    source_of,
-)
+from gcm_learn.planners.oracle import moves
 from gcm_learn.scene import Scene
 from gcm_learn.scene.bodies import HAND, PART, REACH, TOP_SPEED, drift, poses_at
 
@@ -106,7 +96,7 @@ def step(regime, grid, front, work, s, dt, end):
             leave(grid, front, t0)
     else:
         surely_blocked(regime, grid, front, work, t1)
-        front.past[s % PAST] = front.blocked
+        front.past[s % moves.PAST] = front.blocked
     accept(regime, grid, front, t0, t1, s, dt)
     count = meetings(regime, grid, front, work, t0, t1, end)
     if not regime.exact:
@@ -192,23 +182,23 @@ def accept(regime, grid, front, t0, t1, s, dt):
         k = grid.cells[a]
         if front.alive[k] or front.earliest[k] > t1 or front.useful[k] < t0:
             continue
-        if front.blocked[k] and (regime.exact or front.past[(s - 1) % PAST, k]):
+        if front.blocked[k] and (regime.exact or front.past[(s - 1) % moves.PAST, k]):
             if not regime.waiting:  # a first arrival that is refused is none: closed for ever
                 front.useful[k] = -1.0
             continue
         tried = 0
         for _ in range(TRIES):
-            d, when = earliest(regime, grid, front, k, t0, t1, s, dt, tried)
+            d, when = moves.earliest(regime, grid, front, k, t0, t1, s, dt, tried)
             if d < 0 or when > front.useful[k]:
                 break
-            cost = front.near[k] if d == START else move_time(front, k, d)
+            cost = front.near[k] if d == moves.START else moves.move_time(front, k, d)
             if regime.exact:
                 time[0], time[1] = when - cost, when
-                q = k if d == START else source_of(grid, k, d)
-                hand[0, 0] = regime.scene.limb.x if d == START else grid.centre[q, 0]
-                hand[0, 1] = regime.scene.limb.y if d == START else grid.centre[q, 1]
+                q = k if d == moves.START else moves.source_of(grid, k, d)
+                hand[0, 0] = regime.scene.limb.x if d == moves.START else grid.centre[q, 0]
+                hand[0, 1] = regime.scene.limb.y if d == moves.START else grid.centre[q, 1]
                 hand[1, 0], hand[1, 1] = grid.centre[k, 0], grid.centre[k, 1]
-                if not clear(regime, time, hand):
+                if not moves.clear(regime, time, hand):
                     tried |= 1 << d
                     continue
             settle(grid, front, k, d, when, cost)
@@ -220,12 +210,12 @@ def settle(grid, front, k, d, when, cost):
     """Take cell k, reached by move d at `when`, into the set."""
     n = front.total[0]
     front.cell[n], front.came[n], front.left[n] = k, when, when - cost
-    front.parent[n] = -1 if d == START else front.latest[source_of(grid, k, d)]
+    front.parent[n] = -1 if d == moves.START else front.latest[moves.source_of(grid, k, d)]
     front.total[0] = n + 1
     front.alive[k], front.arrival[k], front.until[k], front.latest[k] = True, when, 1e300, n
-    for e in range(COUNT):
-        q = k + MOVES[e, 0] * grid.width + MOVES[e, 1]
-        front.earliest[q] = min(front.earliest[q], when + move_time(front, q, e))
+    for e in range(moves.COUNT):
+        q = k + moves.MOVES[e, 0] * grid.width + moves.MOVES[e, 1]
+        front.earliest[q] = min(front.earliest[q], when + moves.move_time(front, q, e))
 
 
 @njit
@@ -254,7 +244,7 @@ def meetings(regime, grid, front, work, t0, t1, end):
             )
             if t >= 0.0 and regime.exact:
                 last = min(t1 + 2.0 * regime.meet / regime.rules.speed, end)
-                t = leg_from(regime, x, y, since, max(since, regime.after), last)
+                t = moves.leg_from(regime, x, y, since, max(since, regime.after), last)
             if t >= 0.0 and count < work.cells.size:
                 work.cells[count], work.times[count], work.leaves[count] = k, t, since
                 count += 1

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from gcm_learn.arms import elbow_position
 from gcm_learn.motion import collision_point
-from gcm_learn.plots.figures import style
+from gcm_learn.plots.figures import style, workspace
 from gcm_learn.plots.figures.hand_space import (
     draw_hand,
     draw_hand_space,
@@ -22,16 +22,6 @@ from gcm_learn.plots.figures.maps import draw_effective, draw_explored, plot_map
 from gcm_learn.plots.figures.sheets import sheet_panels
 from gcm_learn.plots.figures.solid_scene import SolidFilm, draw_scene
 from gcm_learn.plots.figures.style import Panel, Scene
-from gcm_learn.plots.figures.workspace import (
-    draw_arm,
-    draw_bodies,
-    draw_courses,
-    draw_movement,
-    draw_waits,
-    draw_workspace,
-    notable_waits,
-    waiting_at,
-)
 from gcm_learn.scene import outline
 from gcm_learn.situation import Situation
 
@@ -69,7 +59,7 @@ class Diagram:
     @property
     def waiting(self) -> float:
         """Time that the hand rests [s]."""
-        waits = [] if self.trajectory is None else notable_waits(self.trajectory)
+        waits = [] if self.trajectory is None else workspace.notable_waits(self.trajectory)
         return sum(wait.duration for wait in waits)
 
     def panels(self) -> list[Panel]:
@@ -114,17 +104,17 @@ class Diagram:
     def _draw_path(self, ax: Axes) -> None:
         if self.trajectory is not None:
             style.draw_path(ax, self.trajectory.hand)
-            draw_waits(ax, self.trajectory)
+            workspace.draw_waits(ax, self.trajectory)
 
     def draw_start(self, ax: Axes, end: float, pixels: int = 0) -> None:
         """Draw t = 0, and where bodies go until `end` [s]."""
-        draw_workspace(ax, self.situation)
-        draw_courses(ax, self.situation, end)
+        workspace.draw_workspace(ax, self.situation)
+        workspace.draw_courses(ax, self.situation, end)
 
     def draw_movement(self, ax: Axes, pixels: int = 0) -> None:
         """Draw the arm and the bodies at several instants over each other."""
         assert self.plan is not None
-        draw_movement(ax, self.situation, self.plan)
+        workspace.draw_movement(ax, self.situation, self.plan)
 
     def draw_record(
         self, above: Axes, below: Axes, known: CognitiveMap | None, end: float, pixels: int
@@ -132,7 +122,7 @@ class Diagram:
         """Draw the start with the bodies at `end` [s], and below it the map with the path."""
         above.axis("on")
         self.draw_start(above, end)
-        draw_bodies(above, self.situation, end, LATER)
+        workspace.draw_bodies(above, self.situation, end, LATER)
         if known is None:
             return
         below.axis("on")
@@ -164,7 +154,7 @@ class Diagram:
         return np.empty((0, 2)) if moves is None else moves.hand[moves.time <= t]
 
     def _moment(self, t: float) -> str:
-        waits = self.trajectory is not None and waiting_at(self.trajectory, t)
+        waits = self.trajectory is not None and workspace.waiting_at(self.trajectory, t)
         return f"t = {t:.2f} s" + (", waiting" if waits else "")
 
     def _hand_space(self, ax: Axes, t: float, turn: float) -> None:
@@ -176,7 +166,7 @@ class Diagram:
             draw_explored(ax, known, tau)
             draw_effective(ax, known, tau)
             style.note_in_corner(ax, f"τ = {tau:.0f}")
-        draw_bodies(ax, situation, t)
+        workspace.draw_bodies(ax, situation, t)
         if self.trajectory is not None and t >= self.trajectory.duration:
             self._draw_path(ax)
         draw_hand(ax, self._hand_at(t))
@@ -217,8 +207,8 @@ class MissedDiagram:
     def show_end(self, ax: Axes, t: float, pixels: int) -> None:
         """Draw time t [s], and where bodies come from."""
         style.frame(ax, self.situation.arm.upper_arm)
-        draw_bodies(ax, self.situation, 0.0, alpha=BEFORE)
-        draw_courses(ax, self.situation, t)
+        workspace.draw_bodies(ax, self.situation, 0.0, alpha=BEFORE)
+        workspace.draw_courses(ax, self.situation, t)
         self._draw(ax, PlaneFilm(self.situation, t), t, pixels)
 
     def show(self, ax: Axes, t: float, pixels: int, end: float) -> None:
@@ -282,12 +272,12 @@ class PlaneFilm:
     ) -> None:
         """Draw time t [s] with the hand (2,), and an arm with another hand in grey."""
         arm = self.situation.arm
-        draw_bodies(ax, self.situation, t)
+        workspace.draw_bodies(ax, self.situation, t)
         if other is not None:
             elbow = elbow_position(other, arm.upper_arm, arm.elbow)
             limb = np.array([(0.0, 0.0), elbow, other])
             ax.plot(*limb.T, "o-", color=style.FAINT, lw=3.0, ms=6.0, alpha=0.7, zorder=5.5)
-        draw_arm(ax, arm, hand)
+        workspace.draw_arm(ax, arm, hand)
 
 
 Film = PlaneFilm | SolidFilm

@@ -17,14 +17,7 @@ from gcm_learn import rendering
 from gcm_learn.arms import SPATIAL, ByKind, links_along, rotation_of
 from gcm_learn.families import CAPTION_INSTANTS, KAPPA
 from gcm_learn.motion import Movement
-from gcm_learn.plots.figures import style
-from gcm_learn.plots.figures.film import (
-    FILM_DPI,
-    FRAMES,
-    ROUND,
-    painted,
-    write_film,
-)
+from gcm_learn.plots.figures import film, style
 from gcm_learn.plots.figures.scenery import Scenery, key_below
 from gcm_learn.scene import gap, pack_bodies
 
@@ -51,8 +44,8 @@ def animate_execution(
     done: Execution,
     path: str | Path,
     *,
-    frames: int = FRAMES,
-    views: int = ROUND,
+    frames: int = film.FRAMES,
+    views: int = film.ROUND,
 ) -> None:
     """Write an animated GIF of what an arm with mass did, braking and bouncing targets included.
 
@@ -73,7 +66,7 @@ def animate_execution(
     views : int
         Number of frames of the look around.
     """
-    write_film(list(_frames(Replay(situation, done), frames, views)), path)
+    film.write_film(list(_frames(Replay(situation, done), frames, views)), path)
 
 
 class Replay(Scenery):
@@ -191,7 +184,7 @@ def touched_at(
 
 def _frames(replay: Replay, frames: int, views: int) -> Iterator[Image.Image]:
     figure = style.new_figure(WIDTH, HEIGHT)
-    figure.set_dpi(FILM_DPI)
+    figure.set_dpi(film.FILM_DPI)
     panels = figure.subplots(1, 2)
     above = Replay(replay.situation, replay.done, rendering.from_above(replay.view), turns=False)
     for ax, seen, name in zip(
@@ -199,7 +192,7 @@ def _frames(replay: Replay, frames: int, views: int) -> Iterator[Image.Image]:
     ):
         style.view_frame(ax, seen.window.extent, name)
     figure.supxlabel(told(replay.done), fontsize=style.SMALL, color=style.INK)
-    size = round(WIDTH / 2 * FILM_DPI)
+    size = round(WIDTH / 2 * film.FILM_DPI)
 
     def show(ax: Axes, t: float, turn: float) -> None:
         replay.show(ax, t, turn, size)
@@ -216,7 +209,7 @@ def _frames(replay: Replay, frames: int, views: int) -> Iterator[Image.Image]:
         k = int(np.searchsorted(times, replay.mark[0]))
         moments[k:k] = [(replay.mark[0], 0.0)] * STOP
     moments += [(replay.end, turn) for turn in np.linspace(0.0, 360.0, views + 1)[1:]]
-    yield from painted(
+    yield from film.painted(
         figure, panels, (show, lambda ax, t, _: above.show(ax, t, 0.0, size)), moments
     )
 

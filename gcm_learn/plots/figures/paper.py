@@ -15,19 +15,12 @@ from gcm_learn.execution import body_for, execute, with_motor_limits
 from gcm_learn.families import CAPTION_INSTANTS, KAPPA, PAPER_SCENES, SPATIAL_SCENES
 from gcm_learn.maps import build_map
 from gcm_learn.planners import Plan, solve
-from gcm_learn.plots.figures import style
+from gcm_learn.plots.figures import style, workspace
 from gcm_learn.plots.figures.execution import execution_figure
 from gcm_learn.plots.figures.hand_space import draw_extended, draw_hand_space
 from gcm_learn.plots.figures.maps import draw_snapshot, plot_plan
 from gcm_learn.plots.figures.plan import plan_figure
 from gcm_learn.plots.figures.solid_scene import draw_course, draw_scene, label_body, scene_window
-from gcm_learn.plots.figures.workspace import (
-    draw_arm,
-    draw_body,
-    draw_courses,
-    draw_movement,
-    draw_workspace,
-)
 from gcm_learn.scene import pose
 from gcm_learn.situation import Situation
 from gcm_learn.wave import WaveParams
@@ -61,7 +54,7 @@ def fig1() -> Figure:
     """Draw why the arm cannot stretch out straight, and the extended obstacle that says so."""
     situation = PAPER_SCENES["fig1"]()
     figure, (a, b) = _panels(1, 2, letters="AB", size=4.2)
-    draw_workspace(a, situation, annulus=True)
+    workspace.draw_workspace(a, situation, annulus=True)
     hand, goal, point = np.array(situation.arm.hand), _place(situation, 0), _place(situation, 1)
     straight = np.array([hand, goal])
     a.plot(*straight.T, color=style.TARGET, lw=1.6, ls=(0, (4, 2)), zorder=4)
@@ -84,7 +77,7 @@ def _draw_sliding(ax: Axes, situation: Situation) -> None:
     curve = extended_obstacle(point, arm.upper_arm, arm.elbow, 200)
     ax.plot(*curve.T, color=style.EXTENDED, lw=5, solid_capstyle="round", zorder=7)
     for share, shade in ((0.15, 0.45), (0.45, 0.7), (0.8, 1.0)):
-        draw_arm(ax, arm, curve[int(share * len(curve))], shade)
+        workspace.draw_arm(ax, arm, curve[int(share * len(curve))], shade)
     ax.plot(*point, "o", color=style.OBSTACLE, ms=8, zorder=9)
 
 
@@ -97,7 +90,7 @@ def fig2() -> Figure:
     """Draw two obstacles, their overlapping images and a path round them."""
     situation, plan = _solved("fig2")
     figure, (a, b) = _panels(1, 2, size=4.2)
-    draw_movement(a, situation, plan, 5)
+    workspace.draw_movement(a, situation, plan, 5)
     style.title(a, "work-space (later is darker)")
     draw_hand_space(b, situation)
     if plan.trajectory is not None:
@@ -115,8 +108,8 @@ def fig3() -> Figure:
         draw_extended(ax, situation, tau * KAPPA)
         for index, body in enumerate(situation.bodies):
             if body.role == "obstacle":
-                draw_body(ax, situation, index, tau * KAPPA)
-        draw_courses(ax, situation, max(FIG3_INSTANTS) * KAPPA)
+                workspace.draw_body(ax, situation, index, tau * KAPPA)
+        workspace.draw_courses(ax, situation, max(FIG3_INSTANTS) * KAPPA)
         style.title(ax, f"τ = {tau}")
     return figure
 
@@ -125,8 +118,8 @@ def fig4() -> Figure:
     """Draw a moving obstacle: both spaces, the wave, the map and the movement."""
     situation, plan = _solved("fig4")
     figure, panels = _panels(2, 4, letters="ABC  DE")
-    draw_workspace(panels[0], situation)
-    draw_courses(panels[0], situation, plan.catch_time or situation.horizon)
+    workspace.draw_workspace(panels[0], situation)
+    workspace.draw_courses(panels[0], situation, plan.catch_time or situation.horizon)
     style.title(panels[0], "work-space")
     draw_hand_space(panels[1], situation)
     style.title(panels[1], "hand-space, τ = 0")
@@ -134,7 +127,7 @@ def fig4() -> Figure:
     whole = build_map(situation, WaveParams(until="horizon"))
     plot_plan(panels[5], situation, plan, whole)
     style.title(panels[5], "cognitive map")
-    draw_movement(panels[6], situation, plan, 3)
+    workspace.draw_movement(panels[6], situation, plan, 3)
     style.title(panels[6], "work-space: movement")
     style.key(panels[7], style.KEY)
     return figure
@@ -147,10 +140,10 @@ def fig5() -> Figure:
     draw_scene(panels[0], situation)
     draw_course(panels[0], situation, 0, plan.catch_time or 0.5)
     style.title(panels[0], "3D scene and arm plane P")
-    draw_workspace(panels[1], situation)
+    workspace.draw_workspace(panels[1], situation)
     style.title(panels[1], "plane P, t = 0")
     _draw_snapshots(panels[2:5], situation, plan)
-    draw_movement(panels[5], situation, plan, 4)
+    workspace.draw_movement(panels[5], situation, plan, 4)
     style.title(panels[5], "work-space: movement")
     return figure
 
@@ -173,7 +166,7 @@ def fig7() -> Figure:
     label_body(a, situation, 0, "ball on a cord", (0.1, -0.55))
     label_body(a, situation, 2, "box", (1.6, -2.2))
     style.title(a, "the ball is let go")
-    draw_workspace(b, situation)
+    workspace.draw_workspace(b, situation)
     style.title(b, "arm plane: only the box is in it")
     return figure
 

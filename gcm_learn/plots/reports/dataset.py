@@ -11,15 +11,7 @@ from matplotlib.axes import Axes
 
 from gcm_learn.plots.figures import style
 from gcm_learn.plots.figures.kinds import pictures_of
-from gcm_learn.plots.reports.page import (
-    Picture,
-    Section,
-    Table,
-    picture_of,
-    render,
-    section,
-    words,
-)
+from gcm_learn.plots.reports.page import Picture, Section, Table, picture_of, render, section, words
 
 if TYPE_CHECKING:  # who has no pyarrow has no datasets, but all other pictures
     from gcm_learn.dataset import Dataset, Manifest, Record

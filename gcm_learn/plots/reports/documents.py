@@ -12,19 +12,12 @@ from matplotlib.figure import Figure
 from gcm_learn.arms import PLANAR, kind_of
 from gcm_learn.families import draw, family_names, fig3, gate_scene
 from gcm_learn.planners import Plan, solve
-from gcm_learn.plots.figures import style
+from gcm_learn.plots.figures import style, workspace
 from gcm_learn.plots.figures.film import animate
 from gcm_learn.plots.figures.hand_space import draw_hand_space
 from gcm_learn.plots.figures.maps import draw_snapshot, plot_map
 from gcm_learn.plots.figures.sheets import mapped, sheets_figure
 from gcm_learn.plots.figures.stage import Stage
-from gcm_learn.plots.figures.workspace import (
-    draw_arm,
-    draw_bodies,
-    draw_courses,
-    draw_targets,
-    draw_workspace,
-)
 from gcm_learn.plots.reports.solid_documents import save_light, write_solid_gallery
 from gcm_learn.scene import outline
 from gcm_learn.situation import Situation
@@ -86,8 +79,8 @@ def write_gallery(folder: Path) -> list[Path]:
 
 def _situation(situation: Situation) -> Figure:
     figure = style.new_figure(4.0, 4.0)
-    ax = draw_workspace(figure.subplots(), situation)
-    draw_courses(ax, situation, COURSE)
+    ax = workspace.draw_workspace(figure.subplots(), situation)
+    workspace.draw_courses(ax, situation, COURSE)
     style.label(ax, (-0.02, -0.2), "shoulder")
     style.label(ax, (1.3, 0.95), "arm", style.ARM)
     style.label(ax, (-1.1, 0.35), "obstacle", style.OBSTACLE)
@@ -99,7 +92,7 @@ def _situation(situation: Situation) -> Figure:
 def _hand_space(situation: Situation) -> Figure:
     figure = style.new_figure(8.0, 4.2)
     left, right = figure.subplots(1, 2)
-    draw_workspace(left, situation, SHOWN)
+    workspace.draw_workspace(left, situation, SHOWN)
     style.title(left, "work-space: an arm among bodies")
     draw_hand_space(right, situation, SHOWN)
     style.title(right, "hand-space: a point among larger bodies")
@@ -128,7 +121,7 @@ def _map(situation: Situation, plan: Plan) -> Figure:
         raise RuntimeError(f"no map to show: {plan.message}")
     figure = style.new_figure(4.9, 4.0)
     ax = plot_map(plan.map, figure.subplots(), np.asarray(plan.trajectory.hand), colour_bar=True)
-    draw_targets(ax, situation, plan.catch_time)
+    workspace.draw_targets(ax, situation, plan.catch_time)
     style.label(ax, (-1.15, 1.35), "effective\nobstacle", style.EFFECTIVE)
     style.label(ax, (0.62, 0.55), "path", style.PATH)
     style.label(ax, (1.2, -1.25), "target", style.TARGET)
@@ -206,8 +199,8 @@ def draw_case(ax: Axes, situation: Situation, plan: Plan) -> Axes:
         raise ValueError(f"no catch to show: {plan.message}")
     style.frame(ax, situation.arm.upper_arm)
     for t in np.linspace(0.0, plan.catch_time, GHOSTS):
-        draw_bodies(ax, situation, t, alpha=0.15 + 0.7 * t / max(plan.catch_time, 1e-9))
-    draw_courses(ax, situation, plan.catch_time)
-    draw_arm(ax, situation.arm, situation.arm.hand)
+        workspace.draw_bodies(ax, situation, t, alpha=0.15 + 0.7 * t / max(plan.catch_time, 1e-9))
+    workspace.draw_courses(ax, situation, plan.catch_time)
+    workspace.draw_arm(ax, situation.arm, situation.arm.hand)
     style.draw_path(ax, np.asarray(plan.trajectory.hand), heads=2)
     return ax

@@ -19,12 +19,7 @@ from gcm_learn.plots.figures import style
 from gcm_learn.plots.figures.execution import animate_execution
 from gcm_learn.plots.figures.film import animate, palette_of
 from gcm_learn.plots.figures.hand_ball import HandSpace, key_of_hand_space
-from gcm_learn.plots.figures.scenery import (
-    Scenery,
-    draw_courses,
-    draw_poses,
-    time_bar,
-)
+from gcm_learn.plots.figures.scenery import Scenery, draw_courses, draw_poses, time_bar
 from gcm_learn.rendering import Camera, JointSituation, body_poses, view_of
 from gcm_learn.situation import Body, Situation, SolidQuadratic, Sphere, shipped_arm
 

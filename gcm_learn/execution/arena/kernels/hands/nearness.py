@@ -14,17 +14,7 @@ from gcm_learn.arms.planar_limb import elbow_of
 from gcm_learn.collision.distance import arm_distance, limb_point2
 from gcm_learn.collision.sweep import limb_sweep
 from gcm_learn.compiled import njit
-from gcm_learn.scene.bodies import (
-    BALL,
-    HAND,
-    PART,
-    REACH,
-    SWING,
-    TOP_SPEED,
-    glide,
-    pose_at,
-    swing,
-)
+from gcm_learn.scene.bodies import BALL, HAND, PART, REACH, SWING, TOP_SPEED, glide, pose_at, swing
 
 # Columns of a table of moments: the limb then, and a body.
 TIME, HAND_X, HAND_Y, ELBOW_X, ELBOW_Y, X, Y, Z, ROOM = range(9)

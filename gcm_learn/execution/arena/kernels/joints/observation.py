@@ -13,13 +13,7 @@ import numpy as np
 from gcm_learn.arms.chain_limb import place_axes
 from gcm_learn.arms.limbs import dof, hand_of, place
 from gcm_learn.compiled import njit
-from gcm_learn.execution.arena.kernels.joints import chains
-from gcm_learn.execution.arena.kernels.joints.meeting import (
-    AIM_ROW,
-    aim_along,
-    first_meeting_in_view,
-    way_to_go,
-)
+from gcm_learn.execution.arena.kernels.joints import chains, meeting
 from gcm_learn.execution.arena.kernels.joints.nearness import centre_motion, point_velocity
 from gcm_learn.execution.arena.kernels.joints.scene import view_in, views_for
 from gcm_learn.execution.arena.kernels.joints.stepping import step
@@ -123,7 +117,7 @@ def _tell_target(view, time, posture, e, where, row):
     at, n = arm_numbers(scene.limb), dof(scene.limb)
     hx, hy, hz = hand_of(scene.limb, where)
     unit = reach / view.pace
-    first = first_meeting_in_view(view, time, posture, e)
+    first = meeting.first_meeting_in_view(view, time, posture, e)
     b = first.body
     vx, vy, vz, ax, ay, az = centre_motion(scene.bodies, b, time, poses)
     put_vector(row, at + 3, vx, vy, vz, view.pace)
@@ -143,9 +137,9 @@ def _tell_target(view, time, posture, e, where, row):
     put(row, at + 24, (first.time - time) / unit)
     put(row, at + 25, np.sqrt(first.x**2 + first.y**2 + first.z**2) / reach)
     way = max(np.sqrt(wx * wx + wy * wy + wz * wz), 1e-12)
-    aim_along(view, posture, e, wx / way, wy / way, wz / way)
+    meeting.aim_along(view, posture, e, wx / way, wy / way, wz / way)
     for j in range(n):
-        row[at + UNTIL_AIM + j] = view.rates[AIM_ROW, j]
+        row[at + UNTIL_AIM + j] = view.rates[meeting.AIM_ROW, j]
     chains.tell_approach(scene.limb, where, scene, b, time, poses, row, at + UNTIL_AIM + n)
     return b
 
@@ -155,7 +149,7 @@ def _ahead(view, k):
     """Place of a limb that follows its aim until moment k ahead."""
     limb, limits, unit = view.scene.limb, view.scene.limits, view.reach / view.pace
     for j in range(dof(limb)):
-        turn = view.rates[AIM_ROW, j] * limits.joint_speed[j] * AHEAD[k] * unit
+        turn = view.rates[meeting.AIM_ROW, j] * limits.joint_speed[j] * AHEAD[k] * unit
         view.joints[1, j] = min(max(view.joints[0, j] + turn, limb.low[j]), limb.high[j])
     return place(chains.beside(limb, view.own, k), view.joints[1])
 
@@ -253,7 +247,7 @@ def ways_to_go(world, state, out):
     room = views_for(worlds, states, 0, states.place.size)
     for e in range(states.place.size):
         view = view_in(worlds, states, e, room)
-        out[e] = way_to_go(view, states.time[e], states.posture, e)
+        out[e] = meeting.way_to_go(view, states.time[e], states.posture, e)
 
 
 @njit(nogil=True)

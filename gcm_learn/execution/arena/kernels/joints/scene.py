@@ -10,13 +10,7 @@ from gcm_learn.arms.limbs import dof, reach_of
 from gcm_learn.collision.postures import Desk, desk_of
 from gcm_learn.compiled import njit
 from gcm_learn.execution.arena.kernels.joints.chains import blank, buffers, limb_in
-from gcm_learn.execution.arena.kernels.world import (
-    GONE,
-    MOST,
-    ROW_COLUMNS,
-    bodies_in,
-    rules_in,
-)
+from gcm_learn.execution.arena.kernels.world import GONE, MOST, ROW_COLUMNS, bodies_in, rules_in
 from gcm_learn.motion.rules import Rules
 from gcm_learn.scene import JointLimits, Scene
 from gcm_learn.scene.bodies import HAND, PART, Bodies

@@ -14,16 +14,7 @@ from gcm_learn.charts import START_RADIUS
 from gcm_learn.collision.intervals import NEVER, last_use, next_free
 from gcm_learn.compiled import njit
 from gcm_learn.wave.buckets import Queue, left_in, put, take
-from gcm_learn.wave.plane import (
-    BUCKETS,
-    PER_CELL,
-    ROOT2,
-    STEP_I,
-    STEP_J,
-    UNKNOWN,
-    bare,
-    step_time,
-)
+from gcm_learn.wave.plane import BUCKETS, PER_CELL, ROOT2, STEP_I, STEP_J, UNKNOWN, bare, step_time
 
 SETTLED, PASSING = 1, 4  # not to be entered any more; reached, but safe only for a while
 ARRIVE, REOPEN = 0, 1  # kinds of queue entries: an item is twice the cell and its kind
