@@ -27,7 +27,7 @@ from gcm_learn import seeding
 from gcm_learn.arms.curves import line
 from gcm_learn.motion import Failure, Movement
 from gcm_learn.motion.joint_interception import first_meeting
-from gcm_learn.planners import Plan, SpatialProblem
+from gcm_learn.planners import JointProblem, Plan
 from gcm_learn.planners.completion import Attempt, judged
 from gcm_learn.planners.joints.moves import turning_time
 from gcm_learn.planners.joints.pull import met_from, pulled
@@ -125,7 +125,7 @@ class Frozen:
 
     def __post_init__(self) -> None:
         """Pack the situation and set up VAMP."""
-        self.problem: Any = SpatialProblem(self.situation, "vamp")
+        self.problem: Any = JointProblem(self.situation, "vamp")
         self.study, self.scene = self.problem.study, self.problem.scene
         self.limb, self.rate = self.scene.limb, SPEED * self.scene.limits.joint_speed
         self.joints.append(self.limb.start.copy())
@@ -289,7 +289,7 @@ class Frozen:
 
 def touches(situation: Any, plan: Plan) -> bool:
     """Return whether a movement touches by VAMP's own spheres, looked at every 2.5 ms."""
-    problem: Any = SpatialProblem(situation, "vamp")
+    problem: Any = JointProblem(situation, "vamp")
     bodies, moves = problem.scene.bodies, plan.trajectory
     poses = np.tile(np.r_[np.zeros(3), np.eye(3).ravel()], (len(bodies.rows), 1))
     assert moves is not None

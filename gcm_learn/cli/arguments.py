@@ -26,7 +26,7 @@ class Command(Protocol):
         """Do the work and return the exit code."""
 
 
-class Entry(NamedTuple):
+class CommandEntry(NamedTuple):
     """Command by its record's place, an example of its arguments, and its purpose."""
 
     place: str
@@ -35,24 +35,44 @@ class Entry(NamedTuple):
 
 
 COMMANDS = {
-    "solve": Entry("solve:Solve", "scenes.jsonl --plot pictures", "plan catches, a line for each"),
-    "play": Entry("play:Play", "", "drag a situation in the browser, see its plan"),
-    "execute": Entry("execute:Execute", "scene.json --film films", "let an arm with mass do it"),
-    "arm": Entry("arm:Arm", "", "arms that ship; or an arm from a robot's file"),
-    "draw": Entry("draw:Draw", "gate --count 20 --out gates.jsonl", "random situations"),
-    "convert": Entry("convert:Convert", "si-rrt PROBLEMS --out si.jsonl", "problems of others"),
-    "generate": Entry("generate:Generate", "train.toml --out data/mine", "a dataset, made on"),
-    "inspect": Entry("inspect:Inspect", "data/mine", "what a dataset, a model or an arm holds"),
-    "memory make": Entry("memory:Make", "data/mine --out models/recall", "remember its catches"),
-    "memory embed": Entry("memory:Embed", "data/mine --out e.npz", "what an encoder makes of them"),
-    "cluster": Entry("cluster:Cluster", "data/mine --out clusters", "catches that are alike"),
-    "train policy": Entry("train:Policy", "ppo.yml --out models/mine", "learn in the arena"),
-    "train encoder": Entry("train:Encoder", "data/mine --out models/e", "learn to recall"),
-    "compare": Entry("compare:Compare", "search,mine.py:Mine --on mine.jsonl", "all on the same"),
-    "report": Entry("report:Report", "comparison/sheet.parquet", "sheets of answers as a page"),
-    "cover": Entry("cover:Cover", "belt --out models/belt", "proven catches of a family"),
-    "warm-up": Entry("warm_up:WarmUp", "", "compile everything now, not at the first use"),
-    "demo": Entry("demo:Demo", "", "a page of results; figures and files to begin with"),
+    "solve": CommandEntry(
+        "solve:Solve", "scenes.jsonl --plot pictures", "plan catches, a line for each"
+    ),
+    "play": CommandEntry("play:Play", "", "drag a situation in the browser, see its plan"),
+    "execute": CommandEntry(
+        "execute:Execute", "scene.json --film films", "let an arm with mass do it"
+    ),
+    "arm": CommandEntry("arm:Arm", "", "arms that ship; or an arm from a robot's file"),
+    "draw": CommandEntry("draw:Draw", "gate --count 20 --out gates.jsonl", "random situations"),
+    "convert": CommandEntry(
+        "convert:Convert", "si-rrt PROBLEMS --out si.jsonl", "problems of others"
+    ),
+    "generate": CommandEntry(
+        "generate:Generate", "train.toml --out data/mine", "a dataset, made on"
+    ),
+    "inspect": CommandEntry(
+        "inspect:Inspect", "data/mine", "what a dataset, a model or an arm holds"
+    ),
+    "memory make": CommandEntry(
+        "memory:Make", "data/mine --out models/recall", "remember its catches"
+    ),
+    "memory embed": CommandEntry(
+        "memory:Embed", "data/mine --out e.npz", "what an encoder makes of them"
+    ),
+    "cluster": CommandEntry(
+        "cluster:Cluster", "data/mine --out clusters", "catches that are alike"
+    ),
+    "train policy": CommandEntry("train:Policy", "ppo.yml --out models/mine", "learn in the arena"),
+    "train encoder": CommandEntry("train:Encoder", "data/mine --out models/e", "learn to recall"),
+    "compare": CommandEntry(
+        "compare:Compare", "search,mine.py:Mine --on mine.jsonl", "all on the same"
+    ),
+    "report": CommandEntry(
+        "report:Report", "comparison/sheet.parquet", "sheets of answers as a page"
+    ),
+    "cover": CommandEntry("cover:Cover", "belt --out models/belt", "proven catches of a family"),
+    "warm-up": CommandEntry("warm_up:WarmUp", "", "compile everything now, not at the first use"),
+    "demo": CommandEntry("demo:Demo", "", "a page of results; figures and files to begin with"),
 }
 OLD = {
     "figure": "demo --figure",

@@ -54,7 +54,7 @@ def planner_of(name: str, n: int, rungs: int) -> planners.Planner:
     return replace(made, levels=made.levels[:rungs])
 
 
-class Case(ABC):
+class BaseCase(ABC):
     """A situation and the answers of planners to it, each asked at most once, cheap ones first."""
 
     problem: Any
@@ -167,7 +167,7 @@ class Case(ABC):
         return OracleLabel(planners.stratum(self.situation, known), known.lower, known.upper)
 
 
-class PlanarCase(Case):
+class PlanarCase(BaseCase):
     """A situation of a planar arm; the oracle bounds the earliest catch."""
 
     persistent = "layered"
@@ -208,13 +208,13 @@ class PlanarCase(Case):
         return planners.bounds(self.situation)
 
 
-class SpatialCase(Case):
+class SpatialCase(BaseCase):
     """A situation of a spatial arm; some catch stands for the earliest one."""
 
     persistent = "search"
 
     def _begin(self) -> planners.Plan | None:
-        self.problem = planners.SpatialProblem(self.situation, "case")
+        self.problem = planners.JointProblem(self.situation, "case")
         return self.problem.early_answer(keeps_acceleration=True)
 
     def _caught_straight(self) -> bool:

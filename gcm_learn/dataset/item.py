@@ -16,7 +16,7 @@ from llvmlite import binding
 
 from gcm_learn import compiled
 from gcm_learn.arms import rotation_of
-from gcm_learn.dataset.cases import Case
+from gcm_learn.dataset.cases import BaseCase
 from gcm_learn.dataset.kinds import RECORDS
 from gcm_learn.dataset.record import Record
 from gcm_learn.dataset.spec import DatasetSpec
@@ -225,7 +225,7 @@ def _find(spec: DatasetSpec, values: dict[str, Any]) -> bool:
 
 
 def _known(
-    spec: DatasetSpec, k: int, family: str, case: Case, frame: Frame | SpatialFrame
+    spec: DatasetSpec, k: int, family: str, case: BaseCase, frame: Frame | SpatialFrame
 ) -> dict[str, Any]:
     """The parts of a record of an accepted situation."""
     situation = case.situation
@@ -251,7 +251,7 @@ def _known(
     }
 
 
-def case_of(situation: AnySituation, spec: DatasetSpec) -> Case:
+def case_of(situation: AnySituation, spec: DatasetSpec) -> BaseCase:
     """Return a situation with the answers of planners to it, for its kind of arm."""
     return RECORDS.of(situation).case(situation, spec)
 

@@ -13,7 +13,7 @@ import pyarrow as pa
 
 from gcm_learn.arms import CHAIN, PLANAR, SPATIAL, Arm, Base, ByKind, Chain, Kind, SpatialArm
 from gcm_learn.charts import LARGEST_LATTICE
-from gcm_learn.dataset.cases import Case, ChainCase, PlanarCase, SpatialCase
+from gcm_learn.dataset.cases import BaseCase, ChainCase, PlanarCase, SpatialCase
 from gcm_learn.motion import Movement, fastest_hand
 from gcm_learn.scene import pack
 from gcm_learn.situation import Frame, Situation, SpatialFrame, arm_to_json
@@ -210,7 +210,7 @@ class RecordKind:
     """Length of an arm's forearm."""
     sizes: Callable[[Any], tuple[float, float]]
     """Length of the upper arm and top speed of the hand of a situation's arm."""
-    case: type[Case]
+    case: type[BaseCase]
     """A situation with the answers of planners to it."""
     map: Types
     """Columns of a map."""

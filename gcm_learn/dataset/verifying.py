@@ -28,7 +28,7 @@ REMAKE = 2  # salt of the lot that decides which item of a shard is made again
 
 
 @dataclass(frozen=True)
-class Report:
+class DatasetReport:
     """Result of a check of a dataset, or of a part of it."""
 
     records: int = 0
@@ -40,8 +40,8 @@ class Report:
     quoted: tuple[str, ...] = ()
     """The first few faults, one line each."""
 
-    def __add__(self, other: Report) -> Report:
-        return Report(
+    def __add__(self, other: DatasetReport) -> DatasetReport:
+        return DatasetReport(
             self.records + other.records,
             self.plans + other.plans,
             self.remade + other.remade,
@@ -55,7 +55,7 @@ def verify_dataset(
     workers: int | None = None,
     *,
     progress: Callable[[int], None] = lambda records: None,
-) -> Report:
+) -> DatasetReport:
     """Check a dataset against its manifest, and its plans against the world.
 
     Parameters
@@ -81,7 +81,7 @@ def verify_dataset(
     work = partial(warmed, spec, partial(verify_shard, spec, url=folder.url))
     expected = {entry["name"] for entry in manifest["shards"]}
     shards = [k for k in range(spec.shards) if folder.exists(shard_name(k))]
-    report = sum(map(_fault, faults_of(folder, hashes=True)), Report())
+    report = sum(map(_fault, faults_of(folder, hashes=True)), DatasetReport())
     with crew_for(folder, workers or cores()) as crew:
         for part in crew.map(work, shards):
             report += part
@@ -91,14 +91,14 @@ def verify_dataset(
     return report
 
 
-def verify_shard(spec: DatasetSpec, shard: int, url: str) -> Report:
+def verify_shard(spec: DatasetSpec, shard: int, url: str) -> DatasetReport:
     """Check the records of a shard."""
     folder, name = Folder(url), shard_name(shard)
     try:
         info, records = info_of(folder, name), open_shard(folder, spec, name)
     except (GcmError, OSError) as error:
         return _fault(f"{name}: {error}")
-    report = Report(records=len(records))
+    report = DatasetReport(records=len(records))
     if info.spec != spec.digest:
         report += _fault(f"{name}: is of another specification")
     for record in records:
@@ -108,7 +108,7 @@ def verify_shard(spec: DatasetSpec, shard: int, url: str) -> Report:
     return report
 
 
-def _checked(record: Record, name: str) -> Report:
+def _checked(record: Record, name: str) -> DatasetReport:
     """Verify the catches of a record."""
     where = f"{name}: item {record.index}"
     try:
@@ -116,7 +116,7 @@ def _checked(record: Record, name: str) -> Report:
         caught = sum(plan.caught for plan in record.plans.values())
     except (GcmError, ValueError, KeyError, TypeError) as error:
         return _fault(f"{where}: cannot be read ({error})")
-    report = Report(plans=caught)
+    report = DatasetReport(plans=caught)
     for fault in faults:
         report += _fault(f"{where}: {fault}")
     return report
@@ -155,16 +155,16 @@ def _until(moves: Movement, time: float) -> Movement | None:
     return Movement(moves.arm, moves.time[:count], moves.joints[:count], rates)
 
 
-def _remade(spec: DatasetSpec, shard: int, records: Dataset, name: str) -> Report:
+def _remade(spec: DatasetSpec, shard: int, records: Dataset, name: str) -> DatasetReport:
     """Make one item of a shard again."""
     indices = spec.indices(shard)
     k = indices[int(lot_of(spec.seed, shard, REMAKE) * len(indices))]
     fresh = rows_of(spec, [make_item(spec, k)])
     stored = records[records.column("index") == k].table(fresh.column_names)
     same = not len(stored) or stored.replace_schema_metadata(None).equals(fresh)
-    report = Report(remade=1)
+    report = DatasetReport(remade=1)
     return report if same else report + _fault(f"{name}: item {k} is made differently now")
 
 
-def _fault(text: str) -> Report:
-    return Report(faults=1, quoted=(text,))
+def _fault(text: str) -> DatasetReport:
+    return DatasetReport(faults=1, quoted=(text,))

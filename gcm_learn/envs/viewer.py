@@ -18,7 +18,7 @@ from gcm_learn.situation import Situation
 UNSEEN = ("dummy", "offscreen")  # SDL's drivers without a display, used unasked where there is none
 
 
-class Window:
+class PictureWindow:
     """A square window that shows pictures at a steady rate.
 
     Parameters
@@ -106,7 +106,7 @@ class Viewer:
 
     def __init__(self, kind: Kind, rate: int | None = None) -> None:
         self._artist = _ARTISTS.of(kind)()
-        self._window = None if rate is None else Window(PIXELS, rate)
+        self._window = None if rate is None else PictureWindow(PIXELS, rate)
 
     def show(self, situation: Any, way: Any) -> np.ndarray | None:
         """Return the picture of the end of a trajectory, or None if it is shown in the window.

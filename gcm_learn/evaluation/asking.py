@@ -28,7 +28,7 @@ _WARM: set[tuple[Entrant, str]] = set()
 """Entrants that have answered in this process, with the kinds of arms."""
 
 
-class Question(NamedTuple):
+class CaseQuestion(NamedTuple):
     """One case, all that is asked about it, and cases of the same kind of arm that warm up."""
 
     case: Case
@@ -112,7 +112,7 @@ def _questions(
     who: Sequence[Entrant],
     conditions: Sequence[Condition],
     journal: Journal,
-) -> Iterator[Question]:
+) -> Iterator[CaseQuestion]:
     """Yield what the journal does not have; another entrant begins each time."""
     first: dict[str, list[Case]] = {}
     for case in sorted(found, key=lambda case: case.stratum != WARM_UP):
@@ -126,10 +126,10 @@ def _questions(
                 missing.append((entrant, tuple(lacks)))
         if missing:
             warm_ups = first[kind_of(case.situation).name][:WARM_UPS]
-            yield Question(case, tuple(missing), tuple(warm_ups))
+            yield CaseQuestion(case, tuple(missing), tuple(warm_ups))
 
 
-def answers(question: Question) -> list[Row]:
+def answers(question: CaseQuestion) -> list[Row]:
     """Return the rows of a question, answered by this process."""
     rows: list[Row] = []
     for entrant, conditions in question.asked:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from gcm_learn.evaluation import measures
-from gcm_learn.evaluation.sections import SECTIONS, WORDS, View, opening
+from gcm_learn.evaluation.sections import SECTIONS, WORDS, SheetView, opening
 from gcm_learn.evaluation.sheet import Sheet
 from gcm_learn.plots import pages
 
@@ -38,7 +38,7 @@ def page(
     """
     folder = Path(out)
     folder.mkdir(parents=True, exist_ok=True)
-    view = View(sheet, reference or measures.best_of(sheet), folder, marked)
+    view = SheetView(sheet, reference or measures.best_of(sheet), folder, marked)
     made = []
     for anchor, part_of in SECTIONS:
         part = part_of(view)
@@ -53,7 +53,7 @@ def page(
     return place
 
 
-def _told(view: View) -> dict[str, str]:
+def _told(view: SheetView) -> dict[str, str]:
     cases, suites = len(set(view.sheet["key"].tolist())), view.sheet.each("suite")
     return {
         "verdict": verdict(view.plain),

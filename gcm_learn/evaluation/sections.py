@@ -20,7 +20,7 @@ from gcm_learn.evaluation.measures import BUDGETS_MS, cell
 from gcm_learn.evaluation.sheet import OUTCOMES, Sheet
 from gcm_learn.evaluation.statistics import wilson
 from gcm_learn.evaluation.suites import SHIPPED
-from gcm_learn.plots import Failure, failure_figure, pages, sheet_figures as figures
+from gcm_learn.plots import MissedCatch, failure_figure, pages, sheet_figures as figures
 from gcm_learn.situation import situation_from_json
 
 if TYPE_CHECKING:
@@ -32,15 +32,15 @@ REASONS = 20  # of broken promises and errors that are listed
 STRATA = ("L", "W", "Q", "U", "open", "")
 
 
-class Part(NamedTuple):
+class SectionPart(NamedTuple):
     """Content of a section."""
 
-    tables: Sequence[pages.Table] = ()
+    tables: Sequence[pages.PageTable] = ()
     pictures: Sequence[pages.Picture] = ()
 
 
 @dataclass(frozen=True)
-class View:
+class SheetView:
     """A sheet as the page shows it."""
 
     sheet: Sheet
@@ -87,7 +87,7 @@ def _in_order(sheet: Sheet) -> list[Any]:
     return sorted(sheet.each("stratum"), key=lambda stratum: order.get(stratum, len(order)))
 
 
-def opening(view: View) -> list[pages.Picture]:
+def opening(view: SheetView) -> list[pages.Picture]:
     """Return shares of catches, a picture for each panel."""
     return [
         view.drawn("caught", figures.spans_figure(heading, "caught [%]", spans, view.colours))
@@ -110,17 +110,17 @@ def _outcomes(part: Sheet) -> dict[str, dict[str, float]]:
     }
 
 
-def _table(found: measures.Table, fold: str = "") -> pages.Table:
-    return pages.Table(found.columns, found.text(), fold)
+def _table(found: measures.Table, fold: str = "") -> pages.PageTable:
+    return pages.PageTable(found.columns, found.text(), fold)
 
 
-def _who(view: View) -> Part:
+def _who(view: SheetView) -> SectionPart:
     """One line for each entrant."""
     rows = [[name, view.sheet.entrants.get(name, "")] for name in view.names]
-    return Part([pages.Table(("entrant", "what it does"), rows)])
+    return SectionPart([pages.PageTable(("entrant", "what it does"), rows)])
 
 
-def _standings(view: View) -> Part:
+def _standings(view: SheetView) -> SectionPart:
     """A table for each suite, the best first."""
     budgets = tuple(f"in {budget:g} ms [%]" for budget in BUDGETS_MS)
     columns = (
@@ -143,19 +143,19 @@ def _standings(view: View) -> Part:
             )  # fmt: skip
             rows.append([cell(*pair) for pair in zip(columns, values, strict=True)])
         told = "" if len(view.plain.each("suite")) == 1 else suite
-        tables.append(pages.Table((told or columns[0], *columns[1:]), rows))
+        tables.append(pages.PageTable((told or columns[0], *columns[1:]), rows))
         if suite in SHIPPED:
             known = SHIPPED[suite]
             cards.append([f"{suite}, version {known.version}", f"{known.card} {known.licence}."])
     if cards:
-        tables.append(pages.Table(("suite", "card"), cards, "Suites"))
+        tables.append(pages.PageTable(("suite", "card"), cards, "Suites"))
     pictures = [view.drawn("outcomes", figures.outcomes_figure("all", _outcomes(view.plain)))]
     pictures += [
         view.drawn("budget", figures.times_figure(heading, curves, view.colours, view.marked))
         for heading, part in view.panels(view.plain)
         if (curves := _curves(part))
     ]
-    return Part(tables, pictures)
+    return SectionPart(tables, pictures)
 
 
 def _targets(mine: Sheet) -> float:
@@ -167,24 +167,24 @@ def _curves(part: Sheet) -> dict[str, tuple[np.ndarray, np.ndarray]]:
     return {n: measures.curve(mine) for (n,), mine in measures.groups(part, ("entrant",))}
 
 
-def _strata(view: View) -> Part:
+def _strata(view: SheetView) -> SectionPart:
     """Right answers by stratum, where strata are known."""
     strata = _in_order(view.plain)
     if strata == [""]:
-        return Part()
+        return SectionPart()
     headings = [f"{s or 'unknown'}{' declined' * (s == 'U')} [%]" for s in strata]
     rows = []
     for name in view.names:
         mine = [view.plain.where(entrant=name, stratum=stratum) for stratum in strata]
         spans = [wilson(int(measures.right_of(part).sum()), len(part)) for part in mine]
         rows.append([name, *(cell("[%]", span) for span in spans)])
-    return Part([pages.Table(("entrant", *headings), rows)])
+    return SectionPart([pages.PageTable(("entrant", *headings), rows)])
 
 
-def _paired(view: View) -> Part:
+def _paired(view: SheetView) -> SectionPart:
     """Differences to the reference, by suite and by stratum."""
     if len(view.names) < 2 or not len(view.plain.reachable):
-        return Part()
+        return SectionPart()
     tables = [_table(measures.pairs(view.plain, view.reference, "suite"))]
     if len(view.plain.reachable.each("stratum")) > 1:
         found = measures.pairs(view.plain, view.reference, ("suite", "stratum"))
@@ -198,14 +198,14 @@ def _paired(view: View) -> Part:
             label = f"points against {view.reference}"
             drawn = figures.spans_figure(heading, label, spans, view.colours)
             pictures.append(view.drawn("pairs", drawn))
-    return Part(tables, pictures)
+    return SectionPart(tables, pictures)
 
 
-def _thinking(view: View) -> Part:
+def _thinking(view: SheetView) -> SectionPart:
     """Charged thinking, if it was measured."""
     sheet = view.sheet.where(noise=0.0)
     if len(sheet.each("thinking")) < 2:
-        return Part()
+        return SectionPart()
     pictures = []
     for heading, part in view.panels(sheet):
         lines, stars = {}, {}
@@ -218,7 +218,7 @@ def _thinking(view: View) -> Part:
                 stars[name] = (place, float(own.caught.mean()))
         drawn = figures.lines_figure(heading, "thinking [ms]", lines, view.colours, stars)
         pictures.append(view.drawn("thinking", drawn))
-    return Part([_across(sheet, "thinking")], pictures)
+    return SectionPart([_across(sheet, "thinking")], pictures)
 
 
 def _line(mine: Sheet, column: str, scale: float) -> tuple[list[float], list[Any]]:
@@ -228,7 +228,7 @@ def _line(mine: Sheet, column: str, scale: float) -> tuple[list[float], list[Any
     return [scale * value for value in values], [wilson(int(p.caught.sum()), len(p)) for p in there]
 
 
-def _across(sheet: Sheet, column: str) -> pages.Table:
+def _across(sheet: Sheet, column: str) -> pages.PageTable:
     """Return shares of catches, a column for each value of a condition."""
     found = measures.shares(sheet, ("suite", "entrant", column))
     cells = {row[:3]: cell("[%]", row[found.columns.index("caught [%]")]) for row in found.rows}
@@ -237,20 +237,20 @@ def _across(sheet: Sheet, column: str) -> pages.Table:
         [entrant, suite, *(cells.get((suite, entrant, value), "–") for value in values)]
         for suite, entrant in dict.fromkeys((row[0], row[1]) for row in found.rows)
     ]
-    return pages.Table(("entrant, caught [%]", "suite", *map(str, values)), rows)
+    return pages.PageTable(("entrant, caught [%]", "suite", *map(str, values)), rows)
 
 
-def _noise(view: View) -> Part:
+def _noise(view: SheetView) -> SectionPart:
     """Inexact perception, if it was measured."""
     sheet = view.sheet.where(thinking=view.sheet.each("thinking")[0])
     if not sheet["noise"].any():
-        return Part()
+        return SectionPart()
     pictures = []
     for heading, part in view.panels(sheet):
         lines = {n: _line(m, "noise", 1.0) for (n,), m in measures.groups(part, ("entrant",))}
         drawn = figures.lines_figure(heading, "deviation [forearms]", lines, view.colours)
         pictures.append(view.drawn("noise", drawn))
-    return Part([_across(sheet, "noise")], pictures)
+    return SectionPart([_across(sheet, "noise")], pictures)
 
 
 SPREADS = {
@@ -262,7 +262,7 @@ SPREADS = {
 }
 
 
-def _times(view: View) -> Part:
+def _times(view: SheetView) -> SectionPart:
     """Spreads of times and movements."""
     pictures, rows = [], []
     for column, (heading, label) in SPREADS.items():
@@ -275,16 +275,16 @@ def _times(view: View) -> Part:
             pictures.append(view.drawn("spread", drawn, f"{label}.".capitalize()))
             medians = {n: measures.quantile(found, 0.5) for n, found in values.items()}
             rows.append([label, *(cell("", medians.get(name)) for name in view.names)])
-    listed = pages.Table(("median", *view.names), rows, "All medians")
-    return Part([listed] if rows else (), pictures)
+    listed = pages.PageTable(("median", *view.names), rows, "All medians")
+    return SectionPart([listed] if rows else (), pictures)
 
 
-def _families(view: View) -> Part:
+def _families(view: SheetView) -> SectionPart:
     """Shares of catches by family."""
     there = view.plain.reachable
     families = [name for name in sorted(there.each("family")) if name]
     if len(families) < 2:
-        return Part()
+        return SectionPart()
     shares = np.full((len(families), len(view.names)), np.nan)
     for (family, name), mine in measures.groups(there, ("family", "entrant")):
         if family:
@@ -292,18 +292,18 @@ def _families(view: View) -> Part:
     counts = Counter(there.where(entrant=view.reference)["family"].tolist())
     told = [f"{name} ({counts[name]})" for name in families]
     drawn = figures.shares_figure("caught [%]", told, view.names, shares)
-    return Part(pictures=[view.drawn("families", drawn)])
+    return SectionPart(pictures=[view.drawn("families", drawn)])
 
 
-def _failures(view: View) -> Part:
+def _failures(view: SheetView) -> SectionPart:
     """Reasons of broken promises and errors, and pictures of touches and misses."""
     faulty = view.sheet.where(outcome=("broken", "error"))
     columns = [faulty[name].tolist() for name in ("entrant", "outcome", "reason")]
     found = Counter(zip(*columns, strict=True)).most_common(REASONS)
     rows = [[*words, str(count)] for words, count in found]
     columns_of = ("entrant", "outcome", "reason", "situations")
-    tables = [pages.Table(columns_of, rows)] if rows else []
-    return Part(tables, [_failure(view, k) for k in _shown(view.plain)])
+    tables = [pages.PageTable(columns_of, rows)] if rows else []
+    return SectionPart(tables, [_failure(view, k) for k in _shown(view.plain)])
 
 
 def _shown(plain: Sheet) -> list[int]:
@@ -319,7 +319,7 @@ def _shown(plain: Sheet) -> list[int]:
     return chosen
 
 
-def _failure(view: View, k: int) -> pages.Picture:
+def _failure(view: SheetView, k: int) -> pages.Picture:
     """Return the picture of a row, with the movement of another that catches."""
     plain = view.plain
     situation = situation_from_json(json.loads(plain["situation"][k]))
@@ -328,14 +328,14 @@ def _failure(view: View, k: int) -> pages.Picture:
     outcome, name = plain["outcome"][k], plain["entrant"][k]
     moves = movement_of(situation, plain["solution"][k]) if outcome == "touched" else None
     about = ", ".join(filter(None, (plain["family"][k], plain["stratum"][k])))
-    drawn = failure_figure(Failure(name, about, situation, outcome, moves, example))
+    drawn = failure_figure(MissedCatch(name, about, situation, outcome, moves, example))
     better = f"; {here['entrant'][0]} catches" if len(here) else ""
     part = f" with the {plain['part'][k]}" if plain["part"][k] else ""
     told = f"{name} in {plain['name'][k]}: {outcome.replace('_', ' ')}{part}{better}."
     return view.drawn("failure", drawn, told)
 
 
-def _machines(view: View) -> Part:
+def _machines(view: SheetView) -> SectionPart:
     """Conditions of all rows, and machines of all runs."""
     under = [
         [f"{t}", f"{n:g}", f"{s:g} s", f"{len(part):,}"]
@@ -350,11 +350,11 @@ def _machines(view: View) -> Part:
         for run in view.sheet.runs
     ]  # fmt: skip
     told = ("entrants", "factor", "package", "protocol", "processor", "system", "Python")
-    conditions = pages.Table(("thinking", "deviation [forearms]", "limit", "rows"), under)
-    return Part([conditions, pages.Table(told, rows)])
+    conditions = pages.PageTable(("thinking", "deviation [forearms]", "limit", "rows"), under)
+    return SectionPart([conditions, pages.PageTable(told, rows)])
 
 
-SECTIONS: Sequence[tuple[str, Callable[[View], Part]]] = (
+SECTIONS: Sequence[tuple[str, Callable[[SheetView], SectionPart]]] = (
     ("standings", _standings),
     ("who", _who),
     ("strata", _strata),

@@ -103,7 +103,7 @@ FROZEN: Mapping[str, Mapping[int, str]] = {
 
 
 @dataclass(frozen=True)
-class Draw:
+class SuiteDraw:
     """Specification of a drawn suite."""
 
     summary: str
@@ -129,25 +129,25 @@ class Draw:
         )  # fmt: skip
 
 
-DRAWN: dict[str, Draw] = {
-    "natural": Draw("bodies anywhere, as drawn", 9101, {"random-planar": {}}),
-    "faster": Draw("bodies anywhere, twice as fast", 9105, {"random-planar": FASTER}),
-    "long-arm": Draw(
+DRAWN: dict[str, SuiteDraw] = {
+    "natural": SuiteDraw("bodies anywhere, as drawn", 9101, {"random-planar": {}}),
+    "faster": SuiteDraw("bodies anywhere, twice as fast", 9105, {"random-planar": FASTER}),
+    "long-arm": SuiteDraw(
         "an upper arm longer than any in training",
         9106,
         dict.fromkeys(("random-planar", "crossing-swarm", "gate"), LONG_ARM),
     ),
-    "demo": Draw(
+    "demo": SuiteDraw(
         "equal parts of all strata and families", 9107, {f: {} for f in turns.FAMILIES}, _EACH
     ),
-    "space-demo": Draw(
+    "space-demo": SuiteDraw(
         "equal parts of all strata, spatial arms",
         9111,
         {f: {} for f in family_names("spatial")},
         _EACH,
         label="fast",
     ),
-    "held-out": Draw(
+    "held-out": SuiteDraw(
         "pendulums, which no shipped model met in training",
         9200,
         {"pendulum": {}},

@@ -11,7 +11,7 @@ from gcm_learn.arms import Arm
 from gcm_learn.families import ranges
 from gcm_learn.families.layout import Event, polar
 from gcm_learn.families.piece_family import EventFamily, InSpace
-from gcm_learn.families.pieces import Piece
+from gcm_learn.families.pieces import PlanarPiece
 from gcm_learn.families.ranges import Counts, Range, counts, number, pick, pick_angle, span
 
 
@@ -26,11 +26,11 @@ class StaticClutter(EventFamily):
         """A ball at rest."""
         return self.ball_at_rest(rng, arm, horizon)
 
-    def obstacle(self, rng: np.random.Generator, arm: Arm, event: Event, k: int) -> Piece:
+    def obstacle(self, rng: np.random.Generator, arm: Arm, event: Event, k: int) -> PlanarPiece:
         """A ball or bar at rest."""
         place, _ = self.aim(rng, arm, event)
         size, angle = self.sizes.any(rng), pick_angle(rng)
-        return Piece("obstacle", f"obstacle {k + 1}", size, place, angle=angle)
+        return PlanarPiece("obstacle", f"obstacle {k + 1}", size, place, angle=angle)
 
 
 @dataclass(frozen=True)
@@ -65,12 +65,12 @@ class MovingPoint(EventFamily):
             return self.ball_at_rest(rng, arm, horizon)
         return self.moving_ball(rng, arm, horizon, self.target_speed, self.wait)
 
-    def obstacle(self, rng: np.random.Generator, arm: Arm, event: Event, k: int) -> Piece:
+    def obstacle(self, rng: np.random.Generator, arm: Arm, event: Event, k: int) -> PlanarPiece:
         """A point."""
         place, at = self.aim(rng, arm, event)
         velocity = polar(pick(rng, self.speed) * arm.max_hand_speed, pick_angle(rng))
         size = (pick(rng, self.point),)
-        return Piece("obstacle", f"point {k + 1}", size, place, at, velocity)
+        return PlanarPiece("obstacle", f"point {k + 1}", size, place, at, velocity)
 
 
 @dataclass(frozen=True)
@@ -110,7 +110,7 @@ class CrossingSwarm(EventFamily):
         """A ball that moves in any direction."""
         return self.moving_ball(rng, arm, horizon, self.target_speed, self.wait)
 
-    def obstacle(self, rng: np.random.Generator, arm: Arm, event: Event, k: int) -> Piece:
+    def obstacle(self, rng: np.random.Generator, arm: Arm, event: Event, k: int) -> PlanarPiece:
         """A member of the swarm."""
         place, at = self.aim(rng, arm, event)
         (x, y), (mx, my), hand = arm.hand, event.meet, arm.max_hand_speed
@@ -120,7 +120,7 @@ class CrossingSwarm(EventFamily):
         when = max(at + pick(rng, self.delay) * event.horizon, 0.0)
         size, angle, spin = self.sizes.any(rng), pick_angle(rng), pick(rng, self.spin) * hand
         name = f"member {k + 1}"
-        return Piece("obstacle", name, size, place, when, velocity, (0.0, 0.0), angle, spin)
+        return PlanarPiece("obstacle", name, size, place, when, velocity, (0.0, 0.0), angle, spin)
 
 
 @dataclass(frozen=True)
@@ -161,16 +161,16 @@ class BehindMover(EventFamily):
         """A ball that moves in any direction."""
         return self.moving_ball(rng, arm, horizon, self.speed, self.wait)
 
-    def obstacle(self, rng: np.random.Generator, arm: Arm, event: Event, k: int) -> Piece:
+    def obstacle(self, rng: np.random.Generator, arm: Arm, event: Event, k: int) -> PlanarPiece:
         """First the cover, then bodies that move across the way."""
         if k == 0:
             return self._cover(rng, arm, event)
         place, at = self.aim(rng, arm, event)
         velocity = polar(ranges.pick(rng, self.others) * arm.max_hand_speed, ranges.pick_angle(rng))
         size, angle = self.sizes.any(rng), ranges.pick_angle(rng)
-        return Piece("obstacle", f"obstacle {k}", size, place, at, velocity, angle=angle)
+        return PlanarPiece("obstacle", f"obstacle {k}", size, place, at, velocity, angle=angle)
 
-    def _cover(self, rng: np.random.Generator, arm: Arm, event: Event) -> Piece:
+    def _cover(self, rng: np.random.Generator, arm: Arm, event: Event) -> PlanarPiece:
         """The mover between the hand's start and the target."""
         s, half = ranges.pick(rng, self.cover), ranges.pick(rng, self.half_length)
         (x, y), (mx, my), (vx, vy) = arm.hand, event.meet, event.target.velocity
@@ -179,7 +179,7 @@ class BehindMover(EventFamily):
         if rng.random() < self.bar:
             size = (half, ranges.pick(rng, self.sizes.half_width))
         across = math.atan2(my - y, mx - x) + math.pi / 2
-        return Piece("obstacle", "cover", size, place, event.when, velocity, angle=across)
+        return PlanarPiece("obstacle", "cover", size, place, event.when, velocity, angle=across)
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ import numpy as np
 from gcm_learn.arms import Arm
 from gcm_learn.families.layout import Event, meeting_time, polar
 from gcm_learn.families.piece_family import EventFamily, InSpace
-from gcm_learn.families.pieces import Piece, Vector, ball_through
+from gcm_learn.families.pieces import PlanarPiece, Vector, ball_through
 from gcm_learn.families.ranges import Range, number, pick, pick_angle, pick_sign, span
 from gcm_learn.situation import Body, Cylinder, SolidQuadratic
 
@@ -46,19 +46,21 @@ class Falling(EventFamily):
         when = meeting_time(rng, arm, meet, self.wait, horizon)
         size = self.sizes.ball_to_catch(rng)
         pull = (0.0, -pick(rng, self.gravity) * hand * hand)
-        target = Piece("target", "ball", size, meet, when, self._toss(rng, hand), pull)
+        target = PlanarPiece("target", "ball", size, meet, when, self._toss(rng, hand), pull)
         return Event(target, meet, when, horizon, pick_sign(rng))
 
-    def obstacle(self, rng: np.random.Generator, arm: Arm, event: Event, k: int) -> Piece:
+    def obstacle(self, rng: np.random.Generator, arm: Arm, event: Event, k: int) -> PlanarPiece:
         """Something that falls, or a shelf."""
         place, at = self.aim(rng, arm, event)
         if rng.random() < self.shelves:
             lying = SLOPE * (2.0 * rng.random() - 1.0)
-            return Piece("obstacle", f"shelf {k + 1}", self.sizes.bar(rng), place, angle=lying)
+            return PlanarPiece(
+                "obstacle", f"shelf {k + 1}", self.sizes.bar(rng), place, angle=lying
+            )
         size, hand = self.sizes.any(rng), arm.max_hand_speed
         spin, angle, toss = pick(rng, self.spin) * hand, pick_angle(rng), self._toss(rng, hand)
         name, pull = f"{'ball' if len(size) == 1 else 'bar'} {k + 1}", event.target.acceleration
-        return Piece("obstacle", name, size, place, at, toss, pull, angle, spin)
+        return PlanarPiece("obstacle", name, size, place, at, toss, pull, angle, spin)
 
     def _toss(self, rng: np.random.Generator, hand: float) -> Vector:
         """A velocity at t = 0."""
@@ -105,16 +107,16 @@ class LateTarget(EventFamily):
         place = polar(arm.reach + arm.grasp + size[0], course)
         speed = pick(rng, self.speed) * arm.max_hand_speed
         velocity = polar(speed, course + math.pi + pick(rng, self.aside))
-        target = Piece("target", "target", size, place, entry, velocity)
+        target = PlanarPiece("target", "target", size, place, entry, velocity)
         return Event(target, polar(RIM * arm.reach, course), entry, horizon, pick_sign(rng))
 
-    def obstacle(self, rng: np.random.Generator, arm: Arm, event: Event, k: int) -> Piece:
+    def obstacle(self, rng: np.random.Generator, arm: Arm, event: Event, k: int) -> PlanarPiece:
         """A body on the way to where the target comes in."""
         place, at = self.aim(rng, arm, event)
         size, angle, velocity = self.sizes.any(rng), pick_angle(rng), (0.0, 0.0)
         if rng.random() < self.moving:
             velocity = polar(pick(rng, self.others) * arm.max_hand_speed, pick_angle(rng))
-        return Piece("obstacle", f"obstacle {k + 1}", size, place, at, velocity, angle=angle)
+        return PlanarPiece("obstacle", f"obstacle {k + 1}", size, place, at, velocity, angle=angle)
 
 
 @dataclass(frozen=True)
@@ -135,10 +137,10 @@ class LateTargetSolid(InSpace, LateTarget):
         entry, size = pick(rng, self.entry) * horizon, self.sizes.ball_to_catch(rng)
         meet = self.goal(rng, arm, horizon)
         velocity = polar(pick(rng, self.speed) * arm.max_hand_speed, pick_angle(rng))
-        target = Piece("target", "target", size, meet, entry, velocity)
+        target = PlanarPiece("target", "target", size, meet, entry, velocity)
         return Event(target, meet, entry, horizon, pick_sign(rng))
 
-    def body(self, rng: np.random.Generator, piece: Piece, arm: Arm) -> Body:
+    def body(self, rng: np.random.Generator, piece: PlanarPiece, arm: Arm) -> Body:
         """Make a piece's body; the target is one radius off the plane at its entry."""
         if piece.role == "obstacle":
             return super().body(rng, piece, arm)
@@ -172,12 +174,12 @@ class Spinning(EventFamily):
         target = ball.target._replace(name="bar", size=size, angle=pick_angle(rng), spin=spin)
         return ball._replace(target=target)
 
-    def obstacle(self, rng: np.random.Generator, arm: Arm, event: Event, k: int) -> Piece:
+    def obstacle(self, rng: np.random.Generator, arm: Arm, event: Event, k: int) -> PlanarPiece:
         """A bar that has some part of itself on the way when the limb is there."""
         place, at = self.aim(rng, arm, event)
         hand, size, angle = arm.max_hand_speed, self.sizes.bar(rng), pick_angle(rng)
         spin = self._turning(rng, hand)
-        bar = Piece("obstacle", f"bar {k + 1}", size, place, at, angle=angle, spin=spin)
+        bar = PlanarPiece("obstacle", f"bar {k + 1}", size, place, at, angle=angle, spin=spin)
         if rng.random() >= self.hinged:
             return bar._replace(velocity=polar(pick(rng, self.speed) * hand, pick_angle(rng)))
         x, y = polar(2.0 * size[0] * rng.random(), angle)
@@ -202,7 +204,7 @@ class SpinningSolid(InSpace, Spinning):
     disc_half_height: Range = span(0.02, 0.05, 1e-3)
     """[forearms]"""
 
-    def body(self, rng: np.random.Generator, piece: Piece, arm: Arm) -> Body:
+    def body(self, rng: np.random.Generator, piece: PlanarPiece, arm: Arm) -> Body:
         """Make a piece's body."""
         body = super().body(rng, piece, arm)
         flies = piece.role == "obstacle" and isinstance(body.motion, SolidQuadratic)

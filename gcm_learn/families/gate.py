@@ -20,7 +20,7 @@ from gcm_learn.arms import Arm
 from gcm_learn.families import ranges
 from gcm_learn.families.layout import TRIES, Event, anywhere, elbow_at, polar, way_time
 from gcm_learn.families.piece_family import InSpace, PieceFamily
-from gcm_learn.families.pieces import Piece, Vector, solid_body
+from gcm_learn.families.pieces import PlanarPiece, Vector, solid_body
 from gcm_learn.situation import Body
 
 STEEPEST = 1.2  # [rad] runners would have to run far if the target were farther behind
@@ -71,20 +71,20 @@ class Gate(PieceFamily):
     runner: ranges.Range = ranges.span(0.03, 0.07, 1e-3)
     """Radius of runners and of the resting body [forearms]."""
 
-    def pieces(self, rng: np.random.Generator, arm: Arm, horizon: float) -> tuple[Piece, ...]:
+    def pieces(self, rng: np.random.Generator, arm: Arm, horizon: float) -> tuple[PlanarPiece, ...]:
         """The target, the gate, the body on the other side, others that rest."""
         for _ in range(TRIES):
             lock = self._lock(rng, arm)
             way = way_time(arm, lock.meet)
             if way <= LONGEST * horizon:
                 break
-        target = Piece("target", "target", self.sizes.ball_to_catch(rng), lock.meet)
+        target = PlanarPiece("target", "target", self.sizes.ball_to_catch(rng), lock.meet)
         opens = way + ranges.pick(rng, self.opening) * max(horizon - way, 0.1 * horizon)
         bolted = rng.random() < self.bolts or lock.behind > STEEPEST
         gate = (self._bolt if bolted else self._runner)(rng, arm, lock, opens)
         side = lock.arm - lock.ahead * ranges.pick(rng, self.back)
         place = polar(ranges.pick(rng, self.near) * arm.upper_arm, side)
-        post = Piece("obstacle", "post", (ranges.pick(rng, self.runner),), place)
+        post = PlanarPiece("obstacle", "post", (ranges.pick(rng, self.runner),), place)
         event = Event(target, lock.meet, opens, horizon, lock.ahead)
         others = ranges.pick_count(rng, self.obstacles) - 2
         return target, gate, post, *self.fitting(rng, arm, event, others)
@@ -102,27 +102,29 @@ class Gate(PieceFamily):
         meet = _hand_of(arm, gate + ahead * behind, forearm * bend)
         return Lock(first, ahead, gate, behind, meet)
 
-    def obstacle(self, rng: np.random.Generator, arm: Arm, event: Event, k: int) -> Piece:
+    def obstacle(self, rng: np.random.Generator, arm: Arm, event: Event, k: int) -> PlanarPiece:
         """A body at rest that the arm can dodge."""
         size, angle = self.sizes.any(rng), ranges.pick_angle(rng)
-        return Piece("obstacle", f"obstacle {k + 1}", size, anywhere(rng, arm, 0.0), angle=angle)
+        return PlanarPiece(
+            "obstacle", f"obstacle {k + 1}", size, anywhere(rng, arm, 0.0), angle=angle
+        )
 
-    def _bolt(self, rng: np.random.Generator, arm: Arm, lock: Lock, opens: float) -> Piece:
+    def _bolt(self, rng: np.random.Generator, arm: Arm, lock: Lock, opens: float) -> PlanarPiece:
         """A bar along the gate's direction; its inner end passes the elbow when it opens."""
         half, inner = ranges.pick(rng, self.bolt), ranges.pick(rng, self.near) * arm.upper_arm
         pull = 2.0 * (arm.upper_arm - inner) / opens**2
         size = (half, ranges.pick(rng, self.sizes.half_width))
-        return Piece(
+        return PlanarPiece(
             "obstacle", "bolt", size, polar(inner, lock.gate),
             acceleration=polar(pull, lock.gate), angle=lock.gate, offset=half,
         )  # fmt: skip
 
-    def _runner(self, rng: np.random.Generator, arm: Arm, lock: Lock, opens: float) -> Piece:
+    def _runner(self, rng: np.random.Generator, arm: Arm, lock: Lock, opens: float) -> PlanarPiece:
         """A ball that runs at right angles to the gate until it has passed the target's arm."""
         # It has to get there before it is farther from the shoulder than the elbow.
         near = min(ranges.pick(rng, self.near), 0.9 * math.cos(lock.behind)) * arm.upper_arm
         pull = 2.0 * near * math.tan(lock.behind) / opens**2
-        return Piece(
+        return PlanarPiece(
             "obstacle", "runner", (ranges.pick(rng, self.runner),), polar(near, lock.gate),
             acceleration=polar(pull, lock.gate + lock.ahead * math.pi / 2),
         )  # fmt: skip
@@ -147,14 +149,14 @@ class GateSolid(InSpace, Gate):
     pulled: float = ranges.number(0.5)
     """Share of bolts that leave along the plane's normal."""
 
-    def _bolt(self, rng: np.random.Generator, arm: Arm, lock: Lock, opens: float) -> Piece:
+    def _bolt(self, rng: np.random.Generator, arm: Arm, lock: Lock, opens: float) -> PlanarPiece:
         """A bolt that slides, or one that leaves the plane from rest."""
         bolt = super()._bolt(rng, arm, lock, opens)
         if rng.random() >= self.pulled:
             return bolt
         return bolt._replace(acceleration=(0.0, 0.0), leaves=opens)
 
-    def body(self, rng: np.random.Generator, piece: Piece, arm: Arm) -> Body:
+    def body(self, rng: np.random.Generator, piece: PlanarPiece, arm: Arm) -> Body:
         """Make a piece's body; gates neither lean nor come through the plane by chance."""
         is_gate = piece.name in ("bolt", "runner")
         return solid_body(rng, piece, self.space, arm.max_hand_speed, firm=is_gate)

@@ -15,7 +15,7 @@ import numpy as np
 
 from gcm_learn.arms import SIDE, Arm, elbow_of
 from gcm_learn.collision import limb_segment2
-from gcm_learn.families.pieces import Piece, Vector
+from gcm_learn.families.pieces import PlanarPiece, Vector
 from gcm_learn.families.ranges import Range, Ranges, pick, pick_angle, pick_sign, span
 
 TRIES = 10  # draws of what has to fit; after that many the last one is taken
@@ -29,7 +29,7 @@ CORNER = 1.42  # a bar's corners are at most this many half widths from its midd
 class Event(NamedTuple):
     """The target, and one way for the hand to meet it."""
 
-    target: Piece
+    target: PlanarPiece
     meet: Vector
     """Place at which the hand may meet it [forearms]."""
     when: float
@@ -144,7 +144,7 @@ def polar(radius: float, angle: float) -> Vector:
     return radius * math.cos(angle), radius * math.sin(angle)
 
 
-def leaves_room(piece: Piece, arm: Arm, event: Event) -> bool:
+def leaves_room(piece: PlanarPiece, arm: Arm, event: Event) -> bool:
     """Return whether a piece touches the limb neither at its start nor at the meeting.
 
     Decided in the plane, with bars rounded off: for solids, which may lean, it is a good guess.
@@ -154,7 +154,7 @@ def leaves_room(piece: Piece, arm: Arm, event: Event) -> bool:
     return not touches(piece, arm, event.meet, event.when)
 
 
-def touches(piece: Piece, arm: Arm, hand: Vector, t: float) -> bool:
+def touches(piece: PlanarPiece, arm: Arm, hand: Vector, t: float) -> bool:
     """Return whether a piece is nearer to the limb at a hand position than its thickness, at t."""
     (x, y), (dx, dy) = piece.at(t), (0.0, 0.0)
     near = piece.size[-1]

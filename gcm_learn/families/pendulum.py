@@ -12,7 +12,7 @@ from gcm_learn.arms import Arm
 from gcm_learn.families import ranges
 from gcm_learn.families.layout import Event
 from gcm_learn.families.piece_family import EventFamily, InSpace
-from gcm_learn.families.pieces import Piece, Vector, in_world
+from gcm_learn.families.pieces import PlanarPiece, Vector, in_world
 from gcm_learn.scene import integrate_swing
 from gcm_learn.situation import Body, Capsule, Pendulum, Situation, Sphere
 
@@ -82,10 +82,12 @@ class PendulumFamily(InSpace, EventFamily):
         """A ball, and where and when it passes."""
         return self.moving_ball(rng, arm, horizon, (0.0, 0.0), self.wait)
 
-    def obstacle(self, rng: np.random.Generator, arm: Arm, event: Event, k: int) -> Piece:
+    def obstacle(self, rng: np.random.Generator, arm: Arm, event: Event, k: int) -> PlanarPiece:
         """A body at rest."""
         place, _ = self.aim(rng, arm, event)
-        return Piece("obstacle", "post", self.sizes.any(rng), place, angle=ranges.pick_angle(rng))
+        return PlanarPiece(
+            "obstacle", "post", self.sizes.any(rng), place, angle=ranges.pick_angle(rng)
+        )
 
     def _pair(
         self, rng: np.random.Generator, swing: Swing, radius: float, role: str, number: str

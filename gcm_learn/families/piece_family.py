@@ -11,7 +11,14 @@ import numpy as np
 from gcm_learn.arms import Arm
 from gcm_learn.families import layout
 from gcm_learn.families.family import TINY, PlanarFamily
-from gcm_learn.families.pieces import UPRIGHT, Piece, SpaceRanges, Vector, planar_body, solid_body
+from gcm_learn.families.pieces import (
+    UPRIGHT,
+    PlanarPiece,
+    SpaceRanges,
+    Vector,
+    planar_body,
+    solid_body,
+)
 from gcm_learn.families.ranges import (
     Range,
     Ranges,
@@ -73,16 +80,18 @@ class PieceFamily(PlanarFamily):
         return Situation(name, horizon, arm, bodies, self.plane)
 
     @abstractmethod
-    def pieces(self, rng: np.random.Generator, arm: Arm, horizon: float) -> tuple[Piece, ...]:
+    def pieces(self, rng: np.random.Generator, arm: Arm, horizon: float) -> tuple[PlanarPiece, ...]:
         """The target, then the obstacles, in the arm's plane."""
 
     @abstractmethod
-    def obstacle(self, rng: np.random.Generator, arm: Arm, event: layout.Event, k: int) -> Piece:
+    def obstacle(
+        self, rng: np.random.Generator, arm: Arm, event: layout.Event, k: int
+    ) -> PlanarPiece:
         """Obstacle number k, counted from 0."""
 
     def fitting(
         self, rng: np.random.Generator, arm: Arm, event: layout.Event, count: int
-    ) -> tuple[Piece, ...]:
+    ) -> tuple[PlanarPiece, ...]:
         """Draw obstacles that leave the limb free at its start and at the meeting."""
         pieces = []
         for k in range(count):
@@ -93,7 +102,7 @@ class PieceFamily(PlanarFamily):
             pieces.append(piece)
         return tuple(pieces)
 
-    def body(self, rng: np.random.Generator, piece: Piece, arm: Arm) -> Body:
+    def body(self, rng: np.random.Generator, piece: PlanarPiece, arm: Arm) -> Body:
         """Make a piece's body."""
         return planar_body(piece)
 
@@ -111,7 +120,7 @@ class EventFamily(PieceFamily):
     inside: float = number(0.15)
     """Share of places nearer to the shoulder than the elbow; see `layout.on_the_way`."""
 
-    def pieces(self, rng: np.random.Generator, arm: Arm, horizon: float) -> tuple[Piece, ...]:
+    def pieces(self, rng: np.random.Generator, arm: Arm, horizon: float) -> tuple[PlanarPiece, ...]:
         """The target, then the obstacles, in the arm's plane."""
         event = self.event(rng, arm, horizon)
         return event.target, *self.fitting(rng, arm, event, pick_count(rng, self.obstacles))
@@ -133,7 +142,7 @@ class EventFamily(PieceFamily):
     def ball_at_rest(self, rng: np.random.Generator, arm: Arm, horizon: float) -> layout.Event:
         """A resting target, met as early as can be."""
         meet = self.goal(rng, arm, horizon)
-        target = Piece("target", "target", self.sizes.ball_to_catch(rng), meet)
+        target = PlanarPiece("target", "target", self.sizes.ball_to_catch(rng), meet)
         return layout.Event(target, meet, layout.way_time(arm, meet), horizon, pick_sign(rng))
 
     def moving_ball(
@@ -143,7 +152,9 @@ class EventFamily(PieceFamily):
         meet = self.goal(rng, arm, horizon)
         when = layout.meeting_time(rng, arm, meet, wait, horizon)
         velocity = layout.polar(pick(rng, speed) * arm.max_hand_speed, pick_angle(rng))
-        target = Piece("target", "target", self.sizes.ball_to_catch(rng), meet, when, velocity)
+        target = PlanarPiece(
+            "target", "target", self.sizes.ball_to_catch(rng), meet, when, velocity
+        )
         return layout.Event(target, meet, when, horizon, pick_sign(rng))
 
 
@@ -155,6 +166,6 @@ class InSpace:
 
     space: SpaceRanges = field(default_factory=SpaceRanges)
 
-    def body(self, rng: np.random.Generator, piece: Piece, arm: Arm) -> Body:
+    def body(self, rng: np.random.Generator, piece: PlanarPiece, arm: Arm) -> Body:
         """Make a piece's body."""
         return solid_body(rng, piece, self.space, arm.max_hand_speed)

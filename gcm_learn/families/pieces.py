@@ -40,7 +40,7 @@ _STAND: Quaternion = (math.sqrt(0.5), math.sqrt(0.5), 0.0, 0.0)  # arm plane to 
 _LIE: Quaternion = (math.sqrt(0.5), 0.0, math.sqrt(0.5), 0.0)  # a body's z axis to its x axis
 
 
-class Piece(NamedTuple):
+class PlanarPiece(NamedTuple):
     """A ball or a bar in the arm's plane."""
 
     role: str
@@ -88,7 +88,7 @@ class SpaceRanges(Ranges):
     """Half the extents along the normal [forearms]."""
 
 
-def planar_body(piece: Piece) -> Body:
+def planar_body(piece: PlanarPiece) -> Body:
     """A piece as a disc or a rectangle."""
     shape: Disc | Polygon
     if len(piece.size) == 1:
@@ -104,7 +104,7 @@ def planar_body(piece: Piece) -> Body:
 
 def solid_body(
     rng: np.random.Generator,
-    piece: Piece,
+    piece: PlanarPiece,
     space: SpaceRanges,
     speed: float,
     *,
@@ -115,7 +115,7 @@ def solid_body(
     Parameters
     ----------
     rng : numpy.random.Generator
-    piece : Piece
+    piece : PlanarPiece
     space : SpaceRanges
     speed : float
         Of the hand [forearms/s].
@@ -135,12 +135,12 @@ def solid_body(
     return Body(piece.role, piece.name, shape, motion)
 
 
-def ball_through(piece: Piece, through: float, middle: float) -> Body:
+def ball_through(piece: PlanarPiece, through: float, middle: float) -> Body:
     """A ball as a sphere that comes through the plane.
 
     Parameters
     ----------
-    piece : Piece
+    piece : PlanarPiece
     through : float
         Speed along the normal [forearms/s].
     middle : float
@@ -155,7 +155,7 @@ def ball_through(piece: Piece, through: float, middle: float) -> Body:
 
 
 def _solid_shape(
-    rng: np.random.Generator, piece: Piece, depth: float
+    rng: np.random.Generator, piece: PlanarPiece, depth: float
 ) -> tuple[SolidShape, Quaternion]:
     """A solid of a piece's size, and the turn that puts its z axis to where it belongs."""
     if len(piece.size) == 1:
@@ -171,7 +171,9 @@ def _solid_shape(
     return (Capsule(wide, long) if kind == 1 else Cylinder(wide, long)), _LIE
 
 
-def _flight(piece: Piece, tilt: Quaternion, own: Quaternion, through: float) -> SolidQuadratic:
+def _flight(
+    piece: PlanarPiece, tilt: Quaternion, own: Quaternion, through: float
+) -> SolidQuadratic:
     """Constant acceleration in the plane, constant speed `through` it, spin about the tilted z."""
     frame = product(_STAND, tilt)
     angle = piece.angle - piece.spin * piece.when
@@ -188,7 +190,7 @@ def _flight(piece: Piece, tilt: Quaternion, own: Quaternion, through: float) -> 
     )
 
 
-def _leaving(rng: np.random.Generator, piece: Piece, tilt: Quaternion, depth: float) -> Body:
+def _leaving(rng: np.random.Generator, piece: PlanarPiece, tilt: Quaternion, depth: float) -> Body:
     """A box that is pulled out of the plane from rest."""
     long, wide = piece.size
     assert piece.leaves is not None
@@ -198,7 +200,7 @@ def _leaving(rng: np.random.Generator, piece: Piece, tilt: Quaternion, depth: fl
     return Body(piece.role, piece.name, Box((long, wide, depth)), motion)
 
 
-def _hinge(piece: Piece, tilt: Quaternion) -> Pendulum:
+def _hinge(piece: PlanarPiece, tilt: Quaternion) -> Pendulum:
     """A bar that turns steadily about its end: a pendulum without gravity."""
     frame = product(_STAND, tilt)
     angle = piece.angle - piece.spin * piece.when

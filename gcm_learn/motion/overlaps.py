@@ -86,7 +86,7 @@ def _links(arm: Any) -> tuple[np.ndarray, np.ndarray]:
     return ends[0], radii
 
 
-class _Kind(NamedTuple):
+class _LinkKind(NamedTuple):
     """How the links of a kind of arm are called and found."""
 
     name: Callable[[Any, int], str]
@@ -101,11 +101,11 @@ def _bone(arm: Any, i: int) -> str:
 
 _KINDS = ByKind(
     {
-        PLANAR: _Kind(_bone, _planar_links),
-        SPATIAL: _Kind(_bone),
-        CHAIN: _Kind(lambda arm, i: str(arm.model.named(i))),
+        PLANAR: _LinkKind(_bone, _planar_links),
+        SPATIAL: _LinkKind(_bone),
+        CHAIN: _LinkKind(lambda arm, i: str(arm.model.named(i))),
     },
-    default=_Kind(lambda arm, i: f"link {i}", itself=True),
+    default=_LinkKind(lambda arm, i: f"link {i}", itself=True),
 )
 
 

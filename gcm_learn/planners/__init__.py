@@ -10,8 +10,8 @@ if TYPE_CHECKING:
     from gcm_learn.planners.completion import (
         CATCH_STEP as CATCH_STEP,
         Attempt as Attempt,
+        JointProblem as JointProblem,
         Problem as Problem,
-        SpatialProblem as SpatialProblem,
         Task as Task,
         attempt_of as attempt_of,
         checked as checked,
@@ -91,7 +91,7 @@ __getattr__ = late.late_names(__name__, {
     "baselines.st_rrt_star": ("STRRTStarPlanner",),
     "baselines.straight": ("StraightPlanner",),
     "completion": (
-        "CATCH_STEP", "Attempt", "Problem", "SpatialProblem", "Task", "attempt_of", "checked",
+        "CATCH_STEP", "Attempt", "Problem", "JointProblem", "Task", "attempt_of", "checked",
         "first_catch_on", "straight_plan",
     ),
     "feedback": ("Exploration", "Feedback"),

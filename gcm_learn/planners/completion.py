@@ -160,8 +160,8 @@ class Problem(Task):
         super().__init__(situation, planner, scene, deadline)
 
 
-class SpatialProblem(Task):
-    """A situation of a spatial arm on its way to a plan."""
+class JointProblem(Task):
+    """A situation of an arm that moves in its joints on its way to a plan."""
 
     situation: Situation[SpatialArm]
 

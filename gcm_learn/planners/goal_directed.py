@@ -11,7 +11,7 @@ from gcm_learn.motion import Failure, refine, straight_path
 from gcm_learn.planners import completion
 from gcm_learn.planners.plan import Plan
 from gcm_learn.planners.sipp import search
-from gcm_learn.planners.sipp_labels import PIECES, Aim, Catch, Ground, Hunt, Labels, Queue
+from gcm_learn.planners.sipp_labels import PIECES, Aim, Hunt, Labels, Queue, SearchCells, SearchEnd
 
 MOST = 40_000  # labels that are taken up at most
 BRIEF = 4_000  # of them on the finer lattice
@@ -54,12 +54,12 @@ def found(problem: completion.Problem, n: int) -> Plan | None:
 
 def searched(
     problem: completion.Problem, n: int, most: int = MOST
-) -> tuple[Ground, Labels, list[Catch]]:
+) -> tuple[SearchCells, Labels, list[SearchEnd]]:
     """Search over n cells a side until nothing is left, or until the deadline.
 
     Returns
     -------
-    ground, labels : Ground, Labels
+    ground, labels : SearchCells, Labels
         What was reached.
     catches : list of Catch
         The earliest, the last one of the list; with a deadline some that were found before, too.
@@ -68,7 +68,7 @@ def searched(
     ground = ground_of(problem, Lattice(n, arm.upper_arm, arm.elbow))
     labels = room_for(LABELS * n * n)
     hunt = new_hunt(labels.node.size, problem.situation.horizon)
-    catches: list[Catch] = []
+    catches: list[SearchEnd] = []
     while most > 0 and hunt.goes_on and not problem.over:
         caught, hunt, taken = search(ground, labels, hunt, gain, problem.slices(SLICE, most))
         most, problem.nodes = most - taken, problem.nodes + taken
@@ -79,7 +79,7 @@ def searched(
     return ground, labels, catches
 
 
-def ground_of(problem: completion.Problem, lattice: Lattice) -> Ground:
+def ground_of(problem: completion.Problem, lattice: Lattice) -> SearchCells:
     """The lattice and the start as the search reads them."""
     scene, space = problem.scene, hand_space(lattice)
     elbow = elbow_of(scene.limb.x, scene.limb.y, scene.limb.rho, scene.limb.side)
@@ -87,7 +87,7 @@ def ground_of(problem: completion.Problem, lattice: Lattice) -> Ground:
     nodes, bodies = len(limb), len(scene.bodies.rows)
     rules, crossing = problem.rules, lattice.spacing / scene.limits.speed
     touch, (first, size, soonest) = rules.touch, unasked(nodes)
-    return Ground(
+    return SearchCells(
         scene=scene,
         rules=rules._replace(instant=max(rules.instant, INSTANT * crossing)),
         postures=postures_of(scene.bodies, limb, np.full(nodes, touch)),
@@ -105,7 +105,7 @@ def ground_of(problem: completion.Problem, lattice: Lattice) -> Ground:
 
 
 def _attempt(
-    problem: completion.Problem, ground: Ground, labels: Labels, caught: Catch
+    problem: completion.Problem, ground: SearchCells, labels: Labels, caught: SearchEnd
 ) -> completion.Attempt | None:
     """The movement that ends in a catch."""
     arm, chain = problem.situation.arm, [caught.label]

@@ -25,7 +25,7 @@ Halt = Callable[[], bool]
 """Tells whether time is up."""
 
 
-class Course(NamedTuple):
+class LegCourse(NamedTuple):
     """Legs of a movement, and the situation that they leave."""
 
     now: Any
@@ -44,13 +44,13 @@ class Course(NamedTuple):
         """Names of the targets that are left; none at the horizon."""
         return [target.name for target in self.now.targets] if self.now is not None else []
 
-    def with_leg(self, plan: Plan) -> Course:
+    def with_leg(self, plan: Plan) -> LegCourse:
         """Return the course with one more leg, which catches."""
         end, moves = plan.catch_time or 0.0, plan.trajectory
         legs, until = (*self.legs, plan), self.until + end
         names = set(self.left) - {plan.catch_body}
         if moves is None or not names or end >= self.now.horizon:
-            return Course(None, legs, until)
+            return LegCourse(None, legs, until)
         arm = self.now.arm
         joints = np.clip(moves.joints[-1], *np.array(arm.joint_range).T)  # rounding leaves the ends
         rates = None
@@ -58,7 +58,7 @@ class Course(NamedTuple):
             most = np.array(arm.max_joint_speed)
             rates = tuple(np.clip(moves.rates[-1], -most, most).tolist())
         now = later(with_targets(self.now, names), end, joints=tuple(joints.tolist()), rates=rates)
-        return Course(now, legs, until)
+        return LegCourse(now, legs, until)
 
 
 def with_targets(situation: Any, names: set[Any]) -> Any:
@@ -67,7 +67,7 @@ def with_targets(situation: Any, names: set[Any]) -> Any:
     return replace(situation, bodies=bodies, catch="any" if len(names) == 1 else situation.catch)
 
 
-def as_found(leg: Leg, course: Course, halt: Halt) -> Iterator[Course]:
+def as_found(leg: Leg, course: LegCourse, halt: Halt) -> Iterator[LegCourse]:
     """Catch whichever target a leg catches first, then the next."""
     while course.left and not halt():
         plan = leg(course.now)
@@ -77,19 +77,19 @@ def as_found(leg: Leg, course: Course, halt: Halt) -> Iterator[Course]:
         yield course
 
 
-def by_distance(leg: Leg, course: Course, halt: Halt) -> Iterator[Course]:
+def by_distance(leg: Leg, course: LegCourse, halt: Halt) -> Iterator[LegCourse]:
     """Catch the target nearest to the hand, then the next; pass over those that no leg catches."""
     return _greedy(leg, course, halt, distances)
 
 
-def by_time(leg: Leg, course: Course, halt: Halt) -> Iterator[Course]:
+def by_time(leg: Leg, course: LegCourse, halt: Halt) -> Iterator[LegCourse]:
     """Catch the target that can be met soonest, then the next; pass over as by distance."""
     return _greedy(leg, course, halt, soonest)
 
 
 def _greedy(
-    leg: Leg, course: Course, halt: Halt, costs_of: Callable[[Any], dict[str, float]]
-) -> Iterator[Course]:
+    leg: Leg, course: LegCourse, halt: Halt, costs_of: Callable[[Any], dict[str, float]]
+) -> Iterator[LegCourse]:
     costs = costs_of(course.now)
     while costs and not halt():
         name = min(costs, key=lambda name: costs[name])
@@ -113,7 +113,9 @@ def distances(situation: Any) -> dict[str, float]:
     }
 
 
-def bounded(leg: Leg, course: Course, halt: Halt, known: Course | None = None) -> Iterator[Course]:
+def bounded(
+    leg: Leg, course: LegCourse, halt: Halt, known: LegCourse | None = None
+) -> Iterator[LegCourse]:
     """Try orders by branch and bound, depth first, the target that can be met soonest first.
 
     The bound counts the targets that could be met in time if nothing were in the way.  Those for
@@ -121,7 +123,7 @@ def bounded(leg: Leg, course: Course, halt: Halt, known: Course | None = None) -
     """
     best = [known or course]
 
-    def visit(course: Course) -> Iterator[Course]:
+    def visit(course: LegCourse) -> Iterator[LegCourse]:
         if course.worth > best[0].worth:
             best[0] = course
             yield course
@@ -141,7 +143,7 @@ def bounded(leg: Leg, course: Course, halt: Halt, known: Course | None = None) -
     return visit(course)
 
 
-def growing(leg: Leg, course: Course, halt: Halt) -> Iterator[Course]:
+def growing(leg: Leg, course: LegCourse, halt: Halt) -> Iterator[LegCourse]:
     """Try orders as `bounded` does, again and again, each time with more time for a leg."""
     best, seconds = course, SHORT
     while seconds < LONG and not halt():
@@ -151,7 +153,7 @@ def growing(leg: Leg, course: Course, halt: Halt) -> Iterator[Course]:
         seconds *= GROWTH
 
 
-ORDERS: dict[str, Callable[[Leg, Course, Halt], Iterator[Course]]] = {
+ORDERS: dict[str, Callable[[Leg, LegCourse, Halt], Iterator[LegCourse]]] = {
     "found": as_found,
     "distance": by_distance,
     "time": by_time,

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from gcm_learn.motion import Movement
-from gcm_learn.planners.orders import Course, bounded, growing
+from gcm_learn.planners.orders import LegCourse, bounded, growing
 from gcm_learn.planners.outside import verified_anew
 from gcm_learn.planners.plan import Deadline, Plan, deadline_of
 from gcm_learn.situation import AnySituation
@@ -43,7 +43,7 @@ def caught_in_turn(
         Of the order that catches most, of these the one that ends first.
     """
     since, limit = clock.perf_counter(), deadline_of(deadline)
-    best = Course(replace(situation, catch="most"))
+    best = LegCourse(replace(situation, catch="most"))
     order = growing if limit is not None and getattr(planner, "anytime", False) else bounded
     asked: list[Plan] = []
 

@@ -24,7 +24,7 @@ from gcm_learn.collision.sweep import leg_is_free
 from gcm_learn.compiled import njit
 from gcm_learn.motion.interception import first_interception
 from gcm_learn.planners.meetings import aim_at, comes_near, last_use, outlook
-from gcm_learn.planners.sipp_labels import Aim, Catch, Hunt, pop, push
+from gcm_learn.planners.sipp_labels import Aim, Hunt, SearchEnd, pop, push
 from gcm_learn.scene.bodies import HAND, PART
 from gcm_learn.wave.plane import STEP_I, STEP_J
 
@@ -53,8 +53,8 @@ def free_until(postures, m, t, end, shortest):
 
 
 @njit(_nrt=False)
-def ask(m, total, aim, ground, labels):
-    """Find the safe intervals of node m in which it is of use; returns the number of labels."""
+def open_node(m, total, aim, ground, labels):
+    """Make labels of the safe intervals of node m that are of use; return the number of labels."""
     postures, speed, start = ground.postures, ground.rules.speed, ground.n * ground.n
     limb, resolution = postures.limb, FINE * ground.spacing / speed
     x, y = limb[m, 0], limb[m, 1]
@@ -87,7 +87,7 @@ def entry(p, j, after, ground, labels):
 
 
 @njit(_nrt=False)
-def leg(ground, t0, x0, y0, t1, x1, y1):
+def can_go(ground, t0, x0, y0, t1, x1, y1):
     """Tell whether the hand can go straight from 0 to 1."""
     time, hand, hole = ground.sweep.time, ground.sweep.hand, ground.hole
     if segment_point2(0.0, 0.0, x0, y0, x1, y1) < hole * hole:
@@ -98,13 +98,13 @@ def leg(ground, t0, x0, y0, t1, x1, y1):
 
 
 @njit(_nrt=False)
-def comes(j, ground, labels):
+def tentative_leg_is_free(j, ground, labels):
     """Tell whether the leg that `tent` of label j stands for is free."""
     limb, a, b = ground.postures.limb, labels.node[labels.by[j]], labels.node[j]
     away = np.sqrt((limb[a, 0] - limb[b, 0]) ** 2 + (limb[a, 1] - limb[b, 1]) ** 2)
     t = labels.tent[j]
     leave = t - away / ground.rules.speed
-    return leg(ground, leave, limb[a, 0], limb[a, 1], t, limb[b, 0], limb[b, 1])
+    return can_go(ground, leave, limb[a, 0], limb[a, 1], t, limb[b, 0], limb[b, 1])
 
 
 @njit(_nrt=False)
@@ -154,15 +154,15 @@ def ending(s, aim, ground, labels):
     i = comes_near(aim, x, y, near, int(arrival / step))
     while i >= 0:
         end = min(step * (i + 1), aim.bound)
-        found = dash(s, max(arrival, step * i), end, ground, labels)
+        found = straight_to_target(s, max(arrival, step * i), end, ground, labels)
         if found.time < NEVER:
             return found
         i = comes_near(aim, x, y, near, i + 1)
-    return Catch(NEVER, -1, 0.0, 0.0, 0.0, -1)
+    return SearchEnd(NEVER, -1, 0.0, 0.0, 0.0, -1)
 
 
 @njit
-def dash(s, since, end, ground, labels):
+def straight_to_target(s, since, end, ground, labels):
     """Go straight from label s to a target, met in [since, end]: at once or after a wait."""
     limb, m, speed = ground.postures.limb, labels.node[s], ground.rules.speed
     x, y, come = limb[m, 0], limb[m, 1], labels.arrival[s]
@@ -171,12 +171,12 @@ def dash(s, since, end, ground, labels):
         if body < 0:
             break
         leave = t - np.sqrt((px - x) ** 2 + (py - y) ** 2) / speed
-        if leg(ground, come, x, y, t, px, py):
-            return Catch(t, s, come, px, py, body)
-        if come < leave <= labels.until[s] and leg(ground, leave, x, y, t, px, py):
-            return Catch(t, s, leave, px, py, body)
+        if can_go(ground, come, x, y, t, px, py):
+            return SearchEnd(t, s, come, px, py, body)
+        if come < leave <= labels.until[s] and can_go(ground, leave, x, y, t, px, py):
+            return SearchEnd(t, s, leave, px, py, body)
         since = t + 0.5 * 2.0**k * ground.spacing / speed
-    return Catch(NEVER, -1, 0.0, 0.0, 0.0, -1)
+    return SearchEnd(NEVER, -1, 0.0, 0.0, 0.0, -1)
 
 
 @njit
@@ -188,7 +188,7 @@ def _begin(ground, labels, hunt):
     labels.until[0] = free_until(ground.postures, start, 0.0, bound, FINE * ground.spacing / speed)
     ground.first[start], ground.size[start] = 0, 1
     hunt.total[0] = 1
-    offers(0, aim, hunt.queue, ground, labels)
+    relax_from(0, aim, hunt.queue, ground, labels)
     return aim
 
 
@@ -208,7 +208,7 @@ def search(ground, labels, hunt, gain, most):
 
     Returns
     -------
-    catch : Catch
+    catch : SearchEnd
         The earliest that was found now.
     hunt : Hunt
         With which the search can go on.
@@ -217,26 +217,26 @@ def search(ground, labels, hunt, gain, most):
     """
     speed, limb = ground.rules.speed, ground.postures.limb
     near = NEAR * ground.spacing
-    caught, taken = Catch(NEVER, -1, 0.0, 0.0, 0.0, -1), 0
+    caught, taken = SearchEnd(NEVER, -1, 0.0, 0.0, 0.0, -1), 0
     aim = _begin(ground, labels, hunt) if hunt.total[0] == 0 else hunt.aim
     queue, total = hunt.queue, hunt.total[0]
     while queue.size[0] > 0 and taken < most:
         t, s = pop(queue)
         if s < 0:
             if ground.first[-1 - s] < 0:
-                total = ask(-1 - s, total, aim, ground, labels)
-                welcome(-1 - s, aim, queue, ground, labels)
+                total = open_node(-1 - s, total, aim, ground, labels)
+                relax_into(-1 - s, aim, queue, ground, labels)
             continue
         m = labels.node[s]
         if t != labels.tent[s] or outlook(aim, speed, limb[m, 0], limb[m, 1], t)[0] >= NEVER:
             continue
         taken += 1
-        if not comes(s, ground, labels):
+        if not tentative_leg_is_free(s, ground, labels):
             labels.tries[s] += 1
             t, labels.by[s] = another_way(s, ground, labels)
             labels.tent[s] = NEVER
             if t < labels.arrival[s] and labels.tries[s] <= TRIES:
-                put(s, t, aim, queue, ground, labels)
+                queue_label(s, t, aim, queue, ground, labels)
             continue
         labels.arrival[s], labels.via[s] = t, labels.by[s]
         if comes_near(aim, limb[m, 0], limb[m, 1], near, int(t / aim.step)) >= 0:
@@ -246,13 +246,13 @@ def search(ground, labels, hunt, gain, most):
                 if found.time <= gain:
                     break
                 aim = Aim(aim.ways, aim.step, found.time - gain)
-        offers(s, aim, queue, ground, labels)
+        relax_from(s, aim, queue, ground, labels)
     hunt.total[0] = total
     return caught, Hunt(aim, queue, hunt.total), taken
 
 
 @njit(_nrt=False)
-def put(k, t, aim, queue, ground, labels):
+def queue_label(k, t, aim, queue, ground, labels):
     """Queue label k, to be reached at t, unless no target can be met from there any more."""
     limb, m = ground.postures.limb, labels.node[k]
     ahead, away = outlook(aim, ground.rules.speed, limb[m, 0], limb[m, 1], t)
@@ -262,8 +262,8 @@ def put(k, t, aim, queue, ground, labels):
 
 
 @njit(_nrt=False)
-def enter(s, q, aim, queue, ground, labels):
-    """Offer the safe intervals of node q what can come from label s, or straight past it."""
+def relax(s, q, aim, queue, ground, labels):
+    """Queue the safe intervals of node q that label s, or the one before it, reaches sooner."""
     tolerance = GAIN * ground.spacing / ground.rules.speed
     for k in range(ground.first[q], ground.first[q] + ground.size[q]):
         t, by, tries = entry(s, k, 0.0, ground, labels), s, 1
@@ -273,22 +273,22 @@ def enter(s, q, aim, queue, ground, labels):
                 t, by, tries = past, labels.via[s], 0
         if t < min(labels.tent[k], labels.arrival[k] - tolerance):
             labels.by[k], labels.tries[k] = by, tries
-            put(k, t, aim, queue, ground, labels)
+            queue_label(k, t, aim, queue, ground, labels)
 
 
 @njit(_nrt=False)
-def welcome(q, aim, queue, ground, labels):
-    """Let all labels around enter node q, which has just been opened."""
+def relax_into(q, aim, queue, ground, labels):
+    """Relax all labels around node q into its safe intervals; it has just been opened."""
     for d in range(9):
         m = neighbour(q, d, ground)
         for p in range(ground.first[m], ground.first[m] + ground.size[m]) if m >= 0 else range(0):
             if labels.arrival[p] < NEVER:
-                enter(p, q, aim, queue, ground, labels)
+                relax(p, q, aim, queue, ground, labels)
 
 
 @njit(_nrt=False)
-def offers(s, aim, queue, ground, labels):
-    """Queue what can be reached from label s; a node that is not opened yet as a whole."""
+def relax_from(s, aim, queue, ground, labels):
+    """Relax label s into the nodes around it; queue those that are not opened yet as a whole."""
     n, m, limb, speed = ground.n, labels.node[s], ground.postures.limb, ground.rules.speed
     wide, row, column = 1, m // n, m % n
     if s == 0:
@@ -303,7 +303,7 @@ def offers(s, aim, queue, ground, labels):
             if q == m or not ground.inside[q] or (s == 0 and not beside_start(q, ground)):
                 continue
             if ground.first[q] >= 0:
-                enter(s, q, aim, queue, ground, labels)
+                relax(s, q, aim, queue, ground, labels)
                 continue
             x, y = limb[q, 0], limb[q, 1]
             t = labels.arrival[p] + np.sqrt((limb[a, 0] - x) ** 2 + (limb[a, 1] - y) ** 2) / speed

@@ -15,7 +15,7 @@ from gcm_learn.scene import Scene
 PIECES = 64  # of a leg, whose sweeps are found out once
 
 
-class Ground(NamedTuple):
+class SearchCells(NamedTuple):
     """The cells of a lattice, and the start as one more node."""
 
     scene: Scene
@@ -76,7 +76,7 @@ class Hunt(NamedTuple):
         return bool(self.total[0] == 0 or self.queue.size[0] > 0)
 
 
-class Catch(NamedTuple):
+class SearchEnd(NamedTuple):
     """End of a search."""
 
     time: float  # NEVER if there is none

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from gcm_learn.arms import CHAIN, SPATIAL, ByKind, Chain, SpatialArm
 from gcm_learn.motion import Failure, fastest_hand, start_clearance
-from gcm_learn.planners.completion import Attempt, SpatialProblem, checked
+from gcm_learn.planners.completion import Attempt, JointProblem, checked
 from gcm_learn.planners.plan import Plan
 from gcm_learn.scene import pack
 from gcm_learn.situation import AnySituation, Situation
@@ -106,7 +106,7 @@ class InTube:
     def plan(self, situation: AnySituation) -> Plan:
         """Answer a situation."""
         easing = _EASINGS.of(situation)
-        problem: Any = SpatialProblem(situation, self.name)
+        problem: Any = JointProblem(situation, self.name)
         early = problem.early_answer(keeps_acceleration=True)
         if early is not None:
             return early

@@ -17,7 +17,7 @@ from gcm_learn.plots.figures.maps import (
 )
 from gcm_learn.plots.figures.paper import FIGURES as FIGURES, draw_figure as draw_figure
 from gcm_learn.plots.figures.plan import (
-    Failure as Failure,
+    MissedCatch as MissedCatch,
     failure_figure as failure_figure,
     plan_figure as plan_figure,
 )

@@ -15,7 +15,7 @@ from gcm_learn.arms import PLANAR, SPATIAL, Arm, ByKind, Kind
 from gcm_learn.errors import PolicyError, UnknownNameError
 from gcm_learn.execution import ARENAS, CAUGHT, OUTCOMES, Pool, pool_for, way_of
 from gcm_learn.motion import Failure, Movement, refine
-from gcm_learn.planners import Attempt, Problem, SpatialProblem, checked
+from gcm_learn.planners import Attempt, JointProblem, Problem, checked
 from gcm_learn.policies.directions import chosen, moved
 from gcm_learn.situation import AnySituation, situation_to_json
 from gcm_learn.storage import content_number, whole_file
@@ -292,7 +292,7 @@ class ActorPlanner:
 
     def plan(self, situation: AnySituation) -> Any:
         """Answer a situation with an arm of the actor's kind."""
-        begun: ByKind[_Kind] = ByKind({self.actor.kind: _KINDS.of(self.actor.kind)})
+        begun: ByKind[_ActorKind] = ByKind({self.actor.kind: _KINDS.of(self.actor.kind)})
         begun.who = f"policy {self.name!r}"
         kind = begun.of(situation)
         problem = kind.problem(situation, self.name)
@@ -337,7 +337,7 @@ def _refined_way(arm: Arm, time: np.ndarray, hand: np.ndarray) -> Movement:
 
 
 @dataclass(frozen=True)
-class _Kind:
+class _ActorKind:
     """Parts of an actor's planning that differ by kind of arm."""
 
     problem: Callable[[Any, str], Any]
@@ -348,6 +348,6 @@ class _Kind:
 
 
 _KINDS = ByKind(
-    {PLANAR: _Kind(Problem, {}, _refined_way)},
-    default=_Kind(SpatialProblem, {"keeps_acceleration": True}, way_of),
+    {PLANAR: _ActorKind(Problem, {}, _refined_way)},
+    default=_ActorKind(JointProblem, {"keeps_acceleration": True}, way_of),
 )

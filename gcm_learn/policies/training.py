@@ -119,7 +119,7 @@ Told = Callable[[str], object]
 
 
 @dataclass
-class Run:
+class TrainingRun:
     """A training run in its folder."""
 
     plan: TrainingPlan
@@ -179,7 +179,7 @@ def train(plan: TrainingPlan, folder: Path, tell: Told = print) -> dict[str, flo
         Scores of the policy that is kept, the best on the validation situations.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    run = Run(plan, folder, tell, time.perf_counter())
+    run = TrainingRun(plan, folder, tell, time.perf_counter())
     _claim(run)
     torch.set_num_threads(1)
     asked = plan.algo == "clone" or plan.demonstrations
@@ -197,7 +197,7 @@ def train(plan: TrainingPlan, folder: Path, tell: Told = print) -> dict[str, flo
     return judge.scores
 
 
-def _claim(run: Run) -> None:
+def _claim(run: TrainingRun) -> None:
     """Write the plan, or refuse a folder in which another one is under way.
 
     One without a log has learned nothing yet, and is written over.
@@ -232,7 +232,7 @@ def plan_to_json(plan: TrainingPlan) -> dict[str, Any]:
 class _Judge:
     """Scores actors on the validation situations and keeps the best."""
 
-    def __init__(self, run: Run, pool: Pool, groups: list[str]) -> None:
+    def __init__(self, run: TrainingRun, pool: Pool, groups: list[str]) -> None:
         # Maps are for learning only: without them an actor is judged, kept and used.
         weights = replace(run.plan.settings.weights, guide=0.0)
         self.plain = replace(run.plan.settings, weights=weights)
@@ -262,7 +262,7 @@ class _Judge:
         return scores
 
 
-def _clone(run: Run, shown: Lot, judge: _Judge) -> None:
+def _clone(run: TrainingRun, shown: Lot, judge: _Judge) -> None:
     """Act catches out and clone them."""
     plan = run.plan
     demonstrations = Demonstrations.joined(
@@ -297,7 +297,7 @@ def _parts(shown: Lot) -> Iterator[tuple[Pool, list[Any]]]:
         yield part.pool, [path for path in part.paths if path is not None]
 
 
-def _reinforce(run: Run, lot: Lot, judge: _Judge) -> None:
+def _reinforce(run: TrainingRun, lot: Lot, judge: _Judge) -> None:
     """Let a learner act and learn, judged and kept every so often."""
     from gcm_learn.policies import reinforcement as rl
 

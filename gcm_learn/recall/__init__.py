@@ -77,8 +77,8 @@ if TYPE_CHECKING:
     )
     from gcm_learn.recall.transfer_labels import (
         Best as Best,
-        Labels as Labels,
         TransferLabels as TransferLabels,
+        ValidMemories as ValidMemories,
     )
 
 # Loaded when they are asked for: they need pyarrow or torch.

@@ -16,14 +16,14 @@ from typing import Any, Literal
 import numpy as np
 
 from gcm_learn.motion import SPACING, Movement, first_interception, refine, spread
-from gcm_learn.planners import Attempt, Plan, Problem, SpatialProblem, at_once, attempt_of
+from gcm_learn.planners import Attempt, JointProblem, Plan, Problem, at_once, attempt_of
 from gcm_learn.recall import trials
 from gcm_learn.recall.hand_paths import HandQuery, HandWork, hand_work
 from gcm_learn.recall.headings import heading_of, signs_of
 from gcm_learn.recall.joint_moves import JointQuery, JointWork, joint_work
 from gcm_learn.recall.styles import CARTESIAN, HURRY, KEEP, POLAR, Style
 from gcm_learn.recall.timed_moves import TimedQuery
-from gcm_learn.recall.trials import Budget, Offer
+from gcm_learn.recall.trials import Offer, TrialLimits
 from gcm_learn.recall.waypoints import Waypoints, ring_share
 from gcm_learn.situation import Situation
 
@@ -79,7 +79,7 @@ class Tries(ABC):
 
     Parameters
     ----------
-    problem : Problem or SpatialProblem
+    problem : Problem or JointProblem
     how : Adaptation
     """
 
@@ -110,7 +110,7 @@ class Tries(ABC):
         """Return the path in the buffers as an attempt at a target."""
 
     def first_valid(
-        self, paths: tuple[np.ndarray, np.ndarray], offer: Offer, budget: Budget
+        self, paths: tuple[np.ndarray, np.ndarray], offer: Offer, budget: TrialLimits
     ) -> tuple[int, int, Attempt | None]:
         """Find the first of the offered memories that is valid.
 
@@ -119,7 +119,7 @@ class Tries(ABC):
         paths : (ndarray, ndarray)
             Knots and goals of all memories.
         offer : Offer
-        budget : Budget
+        budget : TrialLimits
 
         Returns
         -------
@@ -208,7 +208,7 @@ class JointTries(Tries):
         return Attempt(Movement(arm, time, joints, rates), body)
 
     def first_valid(
-        self, paths: tuple[np.ndarray, np.ndarray], offer: Offer, budget: Budget
+        self, paths: tuple[np.ndarray, np.ndarray], offer: Offer, budget: TrialLimits
     ) -> tuple[int, int, Attempt | None]:
         """Find the first of the offered memories that is valid; see `Tries`."""
         if not self.problem.accelerates:
@@ -216,7 +216,7 @@ class JointTries(Tries):
         return super().first_valid(paths, offer, budget)
 
 
-def early_answer_in_space(problem: SpatialProblem) -> Plan | None:
+def early_answer_in_space(problem: JointProblem) -> Plan | None:
     """Return the answer that needs no memory: hopeless, blocked, or caught at t = 0."""
     return problem.early_answer(keeps_acceleration=True) or at_once(problem)
 

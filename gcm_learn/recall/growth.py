@@ -175,14 +175,16 @@ def _meeting(study, b, t, goals):
     return met
 
 
-class _Kind(NamedTuple):
+class _GrowthKind(NamedTuple):
     """Synthetic movements of one kind of arm."""
 
     draw: Callable[[Any, int, float, np.random.Generator], Drawn | None]
     move: Callable[[Any, np.ndarray, np.ndarray], Movement]
 
 
-_KINDS = ByKind({PLANAR: _Kind(_hand_goals, _hand_movement)}, default=_Kind(_joint_goals, Movement))
+_KINDS = ByKind(
+    {PLANAR: _GrowthKind(_hand_goals, _hand_movement)}, default=_GrowthKind(_joint_goals, Movement)
+)
 
 
 CHUNK = 500  # records that are filed at once

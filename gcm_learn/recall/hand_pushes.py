@@ -10,7 +10,7 @@ from gcm_learn.arms.planar_limb import elbow_of
 from gcm_learn.collision.distance import arm_distance, limb_point2
 from gcm_learn.compiled import njit
 from gcm_learn.recall.hand_paths import KNOTS
-from gcm_learn.recall.styles import PUSHED, Habits, Sweep, bump
+from gcm_learn.recall.styles import PUSHED, Habits, QuickCheck, bump
 from gcm_learn.scene.bodies import DISC, HAND, KIND, PART, REACH, TOP_SPEED, poses_at
 
 PUSHES = np.array([0.06, 0.12, 0.2, 0.3, 0.42])  # heights of bumps [forearm lengths]
@@ -80,7 +80,7 @@ def sweep(query, work, count):
         nearer = max(nearer, step * (query.rules.speed + query.scene.bodies.rows[b, TOP_SPEED]))
     end = 1.0 * int(work.best_time[count - 1] / step) if count > 1 else 0.0
     touch = query.rules.touch
-    return Sweep(touch, 1.0, touch + CLEARANCE, end, nearer, end)
+    return QuickCheck(touch, 1.0, touch + CLEARANCE, end, nearer, end)
 
 
 @njit(_nrt=False)

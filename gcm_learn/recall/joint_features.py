@@ -167,7 +167,7 @@ FREE = 0.3  # clearance beyond this is as good as free [reaches]
 CELLS = POSTURES * len(TIMES) + ROUND * len(LATER)
 
 
-class View(NamedTuple):
+class AskedPostures(NamedTuple):
     """Postures that are asked about, and the signs of joints."""
 
     signs: np.ndarray  # (n,)
@@ -187,7 +187,7 @@ def _spread(count: int, numbers: int) -> np.ndarray:
 
 @cache
 def _postures(joints: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return where postures lie all over the joints and beside the straight way; see `View`."""
+    """Return where postures lie all over the joints and beside the straight way."""
     beside = _spread(ROUND, joints + 1)
     beside[:, 1:] = 2.0 * beside[:, 1:] - 1.0
     return _spread(POSTURES, joints), beside
@@ -204,7 +204,7 @@ def posture_features(situation: Situation[Any], scene: Scene | None = None) -> F
         The situation packed, if the caller has it at hand.
     """
     scene = pack(situation) if scene is None else scene
-    view = View(signs_of(situation), *_postures(len(situation.arm.joints)))
+    view = AskedPostures(signs_of(situation), *_postures(len(situation.arm.joints)))
     return Features(*_features(scene, view, situation.arm.reach))
 
 

@@ -17,7 +17,7 @@ from gcm_learn.compiled import njit
 from gcm_learn.motion.joint_interception import fastest_hand, target_room
 from gcm_learn.planners.joints.moves import PIECES, Study, time_of, turning_time
 from gcm_learn.planners.joints.pull import pulled
-from gcm_learn.planners.joints.ways import Way, new_way, samples_of, write
+from gcm_learn.planners.joints.ways import JointWay, new_way, samples_of, write
 from gcm_learn.recall.styles import HURRY, Chase
 from gcm_learn.scene.bodies import TOP_SPEED, pose_at
 
@@ -61,7 +61,7 @@ class JointWork(NamedTuple):
     end: np.ndarray  # (dof,): joints that catch [rad]
     path: np.ndarray  # (KNOTS, dof): the movement that was adapted last [rad]
     time: np.ndarray  # (KNOTS,): of it [s]
-    way: Way  # the best so far
+    way: JointWay  # the best so far
     best_time: np.ndarray  # (MOST,): samples of the best movement [s]
     best_joints: np.ndarray  # (MOST, dof) [rad]
     from_base: np.ndarray  # (KNOTS, dof): base of the movement before a change

@@ -11,7 +11,7 @@ from gcm_learn.collision.postures import distance_at
 from gcm_learn.compiled import njit
 from gcm_learn.planners.joints.moves import between
 from gcm_learn.recall.joint_moves import KNOTS
-from gcm_learn.recall.styles import PUSHED, Habits, Sweep, bump
+from gcm_learn.recall.styles import PUSHED, Habits, QuickCheck, bump
 from gcm_learn.scene.bodies import TOP_SPEED
 
 LOOKS = 96  # instants in a horizon
@@ -89,7 +89,7 @@ def sweep(query, work, _count):
         top = max(top, scene.bodies.rows[b, TOP_SPEED])
     nearer = max((nearer + top) * step, 1e-12)
     enough = study.touch + CLEARANCE * length
-    return Sweep(study.touch, length, enough, way.left[KNOTS - 1] / step, nearer, 1.0 * LOOKS)
+    return QuickCheck(study.touch, length, enough, way.left[KNOTS - 1] / step, nearer, 1.0 * LOOKS)
 
 
 @njit(_nrt=False)

@@ -22,7 +22,7 @@ from gcm_learn.recall.hand_paths import ANGLE, EARLIEST, KNOTS, RING, TIME
 from gcm_learn.recall.index import LearnedIndex, index_class
 from gcm_learn.recall.kinds import MEMORIES, raw_features, same_kind
 from gcm_learn.recall.store import Memory
-from gcm_learn.recall.trials import Budget, Offer
+from gcm_learn.recall.trials import Offer, TrialLimits
 from gcm_learn.recall.waypoints import Waypoints
 from gcm_learn.situation import AnySituation, Situation
 from gcm_learn.storage import content_number
@@ -95,7 +95,7 @@ class RecallPlanner:
         chosen = memory.recall(place, pool)
         penalty = penalty if memory.index.name == "learned" else 0.0
         offer = _offer(chosen, memory.embeddings, place if penalty > 0.0 else None)
-        budget = Budget(self.how.bends, self.candidates, self.novelty, penalty)
+        budget = TrialLimits(self.how.bends, self.candidates, self.novelty, penalty)
         paths = (memory.knots, memory.goals)
         plan, k, tried = _first_plan(problem, tries, paths, offer, budget)
         return Recollection(plan, None if k < 0 else int(chosen[k]), tried)
@@ -116,7 +116,7 @@ def _first_plan(
     tries: Tries,
     paths: tuple[np.ndarray, np.ndarray],
     offer: Offer,
-    budget: Budget,
+    budget: TrialLimits,
 ) -> tuple[planners.Plan, int, int]:
     """Plan of the first valid memory, its place in the offer or -1, and paths checked."""
     total = 0
@@ -197,7 +197,7 @@ class SplinesPlanner:
         item, ring = content_number(numbers.tobytes()), tries.query.ring
         paths = random_waypoints(self.seed, item, self.candidates, ring, situation.horizon)
         offer = _offer(np.arange(self.candidates), paths[0])
-        budget = Budget(self.how.bends, self.candidates, 0.0, 0.0)
+        budget = TrialLimits(self.how.bends, self.candidates, 0.0, 0.0)
         return _first_plan(problem, tries, paths, offer, budget)[0]
 
 

@@ -32,7 +32,7 @@ class Chase(NamedTuple):
     most: int  # instants at most
 
 
-class Sweep(NamedTuple):
+class QuickCheck(NamedTuple):
     """Numbers of a quick check, see `recall.freeing.quick_check`."""
 
     touch: float  # distance of a limb that touches [lengths]

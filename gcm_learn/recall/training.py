@@ -33,7 +33,7 @@ from gcm_learn.errors import EncoderError
 from gcm_learn.recall.encoder import Encoder, EncoderConfig, config_to_json, save_encoder
 from gcm_learn.recall.features import STEPS, FeatureBatch
 from gcm_learn.recall.networks import EncoderNet, Inputs, binary, contrast, imitate, listwise
-from gcm_learn.recall.transfer_labels import Labels, TrainingData
+from gcm_learn.recall.transfer_labels import TrainingData, ValidMemories
 from gcm_learn.storage import write_whole
 
 WARM = 200  # steps in which the learning rate rises
@@ -88,7 +88,7 @@ class Trainer:
     def __post_init__(self) -> None:
         self.folder.mkdir(parents=True, exist_ok=True)
         self.turn, self.step, self.elapsed = 0, 0, 0.0
-        self.batches: list[Labels] = []
+        self.batches: list[ValidMemories] = []
         self._paths = torch.from_numpy(self.data.path_features)
         maps = self.data.map_features
         self._maps = None if maps is None else torch.from_numpy(maps)
@@ -189,7 +189,7 @@ class Trainer:
         wave = 0.5 + 0.5 * math.cos(math.pi * share)
         return self._highest * min(1.0, (self.step + 1) / WARM) * (0.01 + 0.99 * wave)
 
-    def _scores(self, batch: Labels) -> tuple[torch.Tensor, torch.Tensor]:
+    def _scores(self, batch: ValidMemories) -> tuple[torch.Tensor, torch.Tensor]:
         """Inner products (n, m) of a batch's situations and memories; the situations' bias."""
         queries = self.net.queries(batch.features)
         if batch.rows.ndim == 1:
@@ -267,7 +267,7 @@ class Trainer:
         self.net.load_state_dict(state["net"])
         self.mean.load_state_dict(state["mean"])
         self._optimiser.load_state_dict(state["optimiser"])
-        self.batches = [Labels.load(self._batch_file(k)) for k in range(state["lessons"])]
+        self.batches = [ValidMemories.load(self._batch_file(k)) for k in range(state["lessons"])]
         lines = (self.folder / LOG).read_text("utf-8").splitlines(keepends=True)
         kept = [line for line in lines if json.loads(line)["turn"] <= self.turn]
         write_whole(self.folder / LOG, "".join(kept))

@@ -44,7 +44,7 @@ Best = Callable[[FeatureBatch, int], np.ndarray]
 so far, the best first."""
 
 
-class Labels(NamedTuple):
+class ValidMemories(NamedTuple):
     """Situations, memories, and which of them are valid where."""
 
     features: FeatureBatch
@@ -64,7 +64,7 @@ class Labels(NamedTuple):
         write_whole(path, stream.getvalue())
 
     @classmethod
-    def load(cls, path: Path) -> Labels:
+    def load(cls, path: Path) -> ValidMemories:
         """Read it from a file."""
         with np.load(path) as file:
             arrays = [file[f"arr_{k}"] for k in range(len(file.files))]
@@ -87,7 +87,7 @@ class TrainingData(Protocol):
     def situation_counts(self) -> tuple[int, int]:
         """Features of a situation's context, and of an obstacle."""
 
-    def labels(self, index: int, best: Best | None) -> Labels:
+    def labels(self, index: int, best: Best | None) -> ValidMemories:
         """Batch number `index`; on the memories that seem best if `best` is given."""
 
     def validate(self, best: Best) -> dict[str, float]:
@@ -179,7 +179,7 @@ class TransferLabels:
         seen = self._seen([self.kind.problem(self.situations[0], "labels")])
         return seen.context.shape[1], seen.cells.shape[1]
 
-    def labels(self, index: int, best: Best | None) -> Labels:
+    def labels(self, index: int, best: Best | None) -> ValidMemories:
         """Label situations that are new in every batch once the records are used up."""
         rng, size, most = seeding.rng(self.seed, _BATCH, index), self.sizes.others, self.sizes.any
         own = self._order[index * size : (index + 1) * size]
@@ -196,7 +196,7 @@ class TransferLabels:
             column[:mine] = np.arange(mine)
         else:
             each = rows = self.sizes.hard(_without(best(seen, DEPTH), own), rng)
-        return Labels(seen, rows, self._valid(problems, each), column)
+        return ValidMemories(seen, rows, self._valid(problems, each), column)
 
     def validate(self, best: Best) -> dict[str, float]:
         """Share of held-out situations in which one of the first k memories is valid."""

@@ -52,7 +52,7 @@ class Offer(NamedTuple):
     left: np.ndarray  # (m,) bool: not tried yet
 
 
-class Budget(NamedTuple):
+class TrialLimits(NamedTuple):
     """Limits of trials."""
 
     changes: int  # at most of a path that touches
@@ -172,7 +172,7 @@ def first_valid(query, paths, offer, styles, budget, work):
         See `catch_times`.
     offer : Offer
         The memories; scores and what is left of them are changed.
-    budget : Budget
+    budget : TrialLimits
 
     Returns
     -------

@@ -81,7 +81,7 @@ Tables = list[Any]
 """Entries of `Bodies.angles`: pendulums, or lists of pieces."""
 
 
-class Frame(NamedTuple):
+class WorldFrame(NamedTuple):
     """The arm's coordinates in the world."""
 
     turn: np.ndarray | None  # (3, 3) world -> arm; None where it is not turned
@@ -104,7 +104,7 @@ class Frame(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Law:
+class PackedLaw:
     """Functions of one motion law.
 
     Parameters
@@ -115,11 +115,13 @@ class Law:
         Maps a motion and a time [s] to the motion from then on.
     """
 
-    place: Callable[[list[float], Tables, Any, Frame], None]
+    place: Callable[[list[float], Tables, Any, WorldFrame], None]
     later: Callable[[Any, float], Any]
 
 
-def _place_planar(row: list[float], tables: Tables, motion: PlanarQuadratic, frame: Frame) -> None:
+def _place_planar(
+    row: list[float], tables: Tables, motion: PlanarQuadratic, frame: WorldFrame
+) -> None:
     row[k.POSITION : k.POSITION + 2] = motion.position
     row[k.VELOCITY : k.VELOCITY + 2] = motion.velocity
     row[k.ACCELERATION : k.ACCELERATION + 2] = motion.acceleration
@@ -128,7 +130,9 @@ def _place_planar(row: list[float], tables: Tables, motion: PlanarQuadratic, fra
     row[k.TURN : k.TURN + 9] = (c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0)
 
 
-def _place_solid(row: list[float], tables: Tables, motion: SolidQuadratic, frame: Frame) -> None:
+def _place_solid(
+    row: list[float], tables: Tables, motion: SolidQuadratic, frame: WorldFrame
+) -> None:
     row[k.POSITION : k.POSITION + 3] = frame.placed(motion.position)
     row[k.VELOCITY : k.VELOCITY + 3] = frame.turned(motion.velocity)
     row[k.ACCELERATION : k.ACCELERATION + 3] = frame.turned(motion.acceleration)
@@ -138,7 +142,7 @@ def _place_solid(row: list[float], tables: Tables, motion: SolidQuadratic, frame
     row[k.TURN : k.TURN + 9] = turn.ravel().tolist()
 
 
-def _place_swing(row: list[float], tables: Tables, motion: Pendulum, frame: Frame) -> None:
+def _place_swing(row: list[float], tables: Tables, motion: Pendulum, frame: WorldFrame) -> None:
     row[k.SWING] = len(tables)
     tables.append(motion)
     row[k.POSITION : k.POSITION + 3] = frame.placed(motion.pivot)
@@ -149,7 +153,7 @@ def _place_swing(row: list[float], tables: Tables, motion: Pendulum, frame: Fram
 
 
 def _place_pieces(
-    row: list[float], tables: Tables, motion: Piecewise | Sampled, frame: Frame
+    row: list[float], tables: Tables, motion: Piecewise | Sampled, frame: WorldFrame
 ) -> None:
     starts, position, velocity, acceleration, orientation, spin = motion.arrays
     row[k.SWING], row[k.PIECES] = len(tables), len(starts)
@@ -238,12 +242,12 @@ def _turned(motion: SolidQuadratic, t: float) -> tuple[float, float, float, floa
     return arms.quaternion_of(turn @ arms.rotation_of(motion.orientation))
 
 
-LAWS: dict[type, Law] = {
-    PlanarQuadratic: Law(_place_planar, _planar_later),
-    SolidQuadratic: Law(_place_solid, _solid_later),
-    Pendulum: Law(_place_swing, _swing_later),
-    Piecewise: Law(_place_pieces, _pieces_later),
-    Sampled: Law(_place_pieces, _samples_later),
+LAWS: dict[type, PackedLaw] = {
+    PlanarQuadratic: PackedLaw(_place_planar, _planar_later),
+    SolidQuadratic: PackedLaw(_place_solid, _solid_later),
+    Pendulum: PackedLaw(_place_swing, _swing_later),
+    Piecewise: PackedLaw(_place_pieces, _pieces_later),
+    Sampled: PackedLaw(_place_pieces, _samples_later),
 }
 
 

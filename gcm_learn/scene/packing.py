@@ -12,7 +12,7 @@ from gcm_learn.arms import PLANAR, ByKind, kind_of
 from gcm_learn.compiled import njit
 from gcm_learn.scene import bodies as k
 from gcm_learn.scene.bodies import Bodies
-from gcm_learn.scene.laws import LAWS, Frame, Tables, swing_tables
+from gcm_learn.scene.laws import LAWS, Tables, WorldFrame, swing_tables
 from gcm_learn.scene.shapes.choice import entry_of
 from gcm_learn.situation import AnySituation, Pendulum, arm_frame
 
@@ -107,7 +107,7 @@ def pack_bodies(situation: AnySituation) -> Bodies:
         Arrays indexed as ``situation.bodies``.
     """
     turn, shoulder = arm_frame(situation)
-    view = Frame(None if (turn == _UNTURNED).all() else turn, shoulder.tolist())
+    view = WorldFrame(None if (turn == _UNTURNED).all() else turn, shoulder.tolist())
     made: list[list[float]] = []  # lists, because writing into parts of arrays takes longer
     vertices: list[tuple[float, float]] = []
     tables: Tables = []

@@ -179,7 +179,7 @@ NESTED: dict[type, dict[str, type]] = {ChainJoint: {"follows": Follows}}
 _NONE = Renamed({})
 
 
-class Layout(NamedTuple):
+class RecordLayout(NamedTuple):
     """Fields of a record in files."""
 
     attributes: dict[str, str]  # name in files to name in the record
@@ -187,17 +187,17 @@ class Layout(NamedTuple):
     null: tuple[str, ...]
 
 
-_LAYOUTS: dict[type, Layout] = {}
+_LAYOUTS: dict[type, RecordLayout] = {}
 
 
-def layout_of(record: type) -> Layout:
+def layout_of(record: type) -> RecordLayout:
     """Return the fields of a record in files."""
     if record not in _LAYOUTS:
         _LAYOUTS[record] = _layout(record)
     return _LAYOUTS[record]
 
 
-def _layout(record: Any) -> Layout:
+def _layout(record: Any) -> RecordLayout:
     renamed = RENAMED.get(record, _NONE)
     fields = dataclasses.fields(record)
     attributes = {renamed.names.get(field.name, field.name): field.name for field in fields}
@@ -206,7 +206,7 @@ def _layout(record: Any) -> Layout:
         for field in fields
         if field.default is dataclasses.MISSING
     ]
-    return Layout(attributes, tuple(required), renamed.null)
+    return RecordLayout(attributes, tuple(required), renamed.null)
 
 
 def record_from(

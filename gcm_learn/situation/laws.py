@@ -20,7 +20,7 @@ Motion = PlanarQuadratic | SolidMotion
 _ITS_MIRROR = np.diag([1.0, -1.0, 1.0])  # a body reflected in its own xz-plane
 
 
-class View(NamedTuple):
+class Coordinates(NamedTuple):
     """Coordinates in which what was at p is at ``turn @ (p - origin)``.
 
     A reflection also reflects each body in its own xz-plane, which mirrors all our solids.  Bodies
@@ -60,7 +60,7 @@ def carried(motion: SolidMotion, turn: np.ndarray, origin: np.ndarray) -> SolidM
         Orthogonal; may be a reflection.
     origin : (3,) ndarray
     """
-    view = View(turn, origin, bool(np.linalg.det(turn) < 0.0))
+    view = Coordinates(turn, origin, bool(np.linalg.det(turn) < 0.0))
     result: SolidMotion = LAWS[type(motion)].carried(motion, view)
     return result
 
@@ -71,22 +71,22 @@ def sides(motion: SolidMotion) -> Iterator[float]:
 
 
 @dataclass(frozen=True)
-class Law:
+class SolidLaw:
     """Functions of one motion law of solids.
 
     Parameters
     ----------
     carried : callable
-        Maps a motion and a `View` to the motion in those coordinates.
+        Maps a motion and a `Coordinates` to the motion in those coordinates.
     sides : callable
         Maps a motion to the numbers that a mirror in the xz-plane negates.
     """
 
-    carried: Callable[[Any, View], Any]
+    carried: Callable[[Any, Coordinates], Any]
     sides: Callable[[Any], Iterator[float]]
 
 
-def _quadratic_carried(motion: SolidQuadratic, view: View) -> SolidQuadratic:
+def _quadratic_carried(motion: SolidQuadratic, view: Coordinates) -> SolidQuadratic:
     return SolidQuadratic(
         view.place(motion.position),
         view.move(motion.velocity),
@@ -101,7 +101,7 @@ def _quadratic_sides(motion: SolidQuadratic) -> Iterator[float]:
     yield from (motion.spin[0], motion.spin[2])
 
 
-def _pendulum_carried(motion: Pendulum, view: View) -> Pendulum:
+def _pendulum_carried(motion: Pendulum, view: Coordinates) -> Pendulum:
     axis, down = view.axial(motion.axis), view.move(motion.down)
     return replace(motion, pivot=view.place(motion.pivot), axis=axis, down=down)
 
@@ -110,13 +110,13 @@ def _pendulum_sides(motion: Pendulum) -> Iterator[float]:
     yield from (motion.pivot[1], motion.down[1], motion.axis[0], motion.axis[2])
 
 
-def _piecewise_carried(motion: Piecewise, view: View) -> Piecewise:
+def _piecewise_carried(motion: Piecewise, view: Coordinates) -> Piecewise:
     return Piecewise.unchecked(
         Piece(start, _quadratic_carried(piece, view)) for start, piece in motion.pieces
     )
 
 
-def _sampled_carried(motion: Sampled, view: View) -> Sampled:
+def _sampled_carried(motion: Sampled, view: Coordinates) -> Sampled:
     turns = motion.orientations
     return Sampled(
         motion.times,
@@ -125,7 +125,7 @@ def _sampled_carried(motion: Sampled, view: View) -> Sampled:
     )
 
 
-def _unturned(view: View) -> bool:
+def _unturned(view: Coordinates) -> bool:
     return bool((view.turn @ (_ITS_MIRROR if view.reflected else np.eye(3)) == np.eye(3)).all())
 
 
@@ -134,11 +134,11 @@ def _sides_of_pieces(motion: Piecewise | Sampled) -> Iterator[float]:
         yield from _quadratic_sides(piece)
 
 
-LAWS: dict[type, Law] = {
-    SolidQuadratic: Law(_quadratic_carried, _quadratic_sides),
-    Pendulum: Law(_pendulum_carried, _pendulum_sides),
-    Piecewise: Law(_piecewise_carried, _sides_of_pieces),
-    Sampled: Law(_sampled_carried, _sides_of_pieces),
+LAWS: dict[type, SolidLaw] = {
+    SolidQuadratic: SolidLaw(_quadratic_carried, _quadratic_sides),
+    Pendulum: SolidLaw(_pendulum_carried, _pendulum_sides),
+    Piecewise: SolidLaw(_piecewise_carried, _sides_of_pieces),
+    Sampled: SolidLaw(_sampled_carried, _sides_of_pieces),
 }
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from gcm_learn.charts import START_RADIUS
 from gcm_learn.collision.intervals import NEVER, last_use, next_free
 from gcm_learn.compiled import njit
-from gcm_learn.wave.buckets import Queue, left_in, put, take
+from gcm_learn.wave.buckets import BucketQueue, left_in, put, take
 from gcm_learn.wave.plane import BUCKETS, PER_CELL, ROOT2, STEP_I, STEP_J, UNKNOWN, bare, step_time
 
 SETTLED, PASSING = 1, 4  # not to be entered any more; reached, but safe only for a while
@@ -41,11 +41,11 @@ class Agenda(NamedTuple):
     again: np.ndarray  # when a cell that was blocked is free
     source_of: np.ndarray  # of the next front
     via_of: np.ndarray
-    queue: Queue  # cells and kinds
+    queue: BucketQueue  # cells and kinds
     turn_of: np.ndarray  # place of a cell in the batch
 
 
-class Batch(NamedTuple):
+class CheckedCells(NamedTuple):
     """Cells that are checked together; what they may become."""
 
     places: np.ndarray  # in the padded lattice

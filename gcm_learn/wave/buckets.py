@@ -11,7 +11,7 @@ from gcm_learn.compiled import njit
 USED, SPARE, LEFT = 0, 1, 2  # entries of a tally
 
 
-class Queue(NamedTuple):
+class BucketQueue(NamedTuple):
     """Items in buckets, which are used in a circle."""
 
     entries: np.ndarray  # (m, 2) int32: item, and the next entry of its bucket
@@ -25,14 +25,14 @@ def queue_of(size, buckets):
     tally = np.zeros(3, dtype=np.int64)
     tally[SPARE] = -1
     heads = np.full(buckets, -1, dtype=np.int64)
-    return Queue(np.empty((size, 2), dtype=np.int32), heads, tally)
+    return BucketQueue(np.empty((size, 2), dtype=np.int32), heads, tally)
 
 
 @njit
 def grown(queue):
     """Return the same queue for twice as many entries."""
     entries = np.concatenate((queue.entries, np.empty_like(queue.entries)))
-    return Queue(entries, queue.heads, queue.tally)
+    return BucketQueue(entries, queue.heads, queue.tally)
 
 
 @njit(_nrt=False, forceinline=True)

@@ -22,7 +22,7 @@ from gcm_learn.wave.front import Front, all_arrivals, first_arrivals
 from gcm_learn.wave.kernels import CONTACT, FROZEN
 from gcm_learn.wave.limits import fastest_in_plane, hand_of, postures, terms_of, turns_of
 from gcm_learn.wave.params import MarchingParams
-from gcm_learn.wave.plane import Plane, closed_rim
+from gcm_learn.wave.plane import PlaneLattice, closed_rim
 
 SHORTEST = 0.03  # resolution of times in space, in steps of the hand
 STATES_PER_CELL = 4  # capacity for sheets; most cells need one
@@ -100,7 +100,7 @@ def march_in_space(
 ) -> Front:
     """Map arrivals over cells in space; the front keeps the postures that it finds."""
     ask, count = _ask(scene, chart, params, ignore, widening), chart.size
-    field = steps.Field(
+    field = steps.NodeArrivals(
         np.full(count, steps.NEVER),
         np.zeros(count, np.uint8),
         np.zeros(count, np.uint8),
@@ -159,11 +159,11 @@ def _pace(scene: Scene, chart: HandLattice, fast: float) -> steps.Pace:
     )
 
 
-def _plane(scene: Scene, lattice: Lattice) -> Plane:
+def _plane(scene: Scene, lattice: Lattice) -> PlaneLattice:
     """Bind a lattice and the hand in it for marching."""
     x, y = ((c + lattice.upper_arm + 1.0) / lattice.spacing - 0.5 for c in hand_of(scene))
     hand = y + 1.0, x + 1.0
-    return Plane(lattice.n, *hand, _closed_rim(lattice), *turns_of(scene, lattice))
+    return PlaneLattice(lattice.n, *hand, _closed_rim(lattice), *turns_of(scene, lattice))
 
 
 @lru_cache(maxsize=16)

@@ -14,7 +14,7 @@ import numpy as np
 from gcm_learn.collision.occupancy import blocked_cells, met_targets
 from gcm_learn.compiled import njit
 from gcm_learn.scene.bodies import poses_at
-from gcm_learn.wave.params import EXCITED, HAND_POTENTIAL, Run, rhythm
+from gcm_learn.wave.params import EXCITED, HAND_POTENTIAL, WaveRun, rhythm
 from gcm_learn.wave.stencil import BLOCK, LEFT, two_steps
 
 FREE, FROZEN, CONTACT = 0, 1, 2  # what became of a cell
@@ -22,7 +22,7 @@ UP_R, UP_Z = (np.float32(v) for v in EXCITED)
 CLAMPED = np.float32(HAND_POTENTIAL)
 
 
-class Ground(NamedTuple):
+class WaveLattice(NamedTuple):
     """The lattice of a wave: its buffer and layout (`wave.stencil`), and how it is run."""
 
     B: np.ndarray
@@ -33,7 +33,7 @@ class Ground(NamedTuple):
     active: np.ndarray  # (n + 2, blocks) bool: what is stepped
     points: int  # 5 or 9, of the Laplacian
     start: float  # time of the first state [tau]
-    run: Run
+    run: WaveRun
 
 
 class Terms(NamedTuple):
@@ -49,7 +49,7 @@ class Terms(NamedTuple):
     speed: float  # of the front [forearms/s]
 
 
-class Batch(NamedTuple):
+class ReachedCells(NamedTuple):
     """The cells that are reached together, and what becomes of them."""
 
     cells: np.ndarray
@@ -65,7 +65,7 @@ def batch_of(n):
     """Make a batch for all cells of an n x n lattice."""
     since, when, met = np.empty(n * n), np.empty(n * n), np.empty(n * n)
     cells, body = np.empty(n * n, dtype=np.int64), np.empty(n * n, dtype=np.int64)
-    return Batch(cells, since, when, np.empty(n * n, dtype=np.bool_), body, met)
+    return ReachedCells(cells, since, when, np.empty(n * n, dtype=np.bool_), body, met)
 
 
 @njit(_nrt=False)
@@ -346,7 +346,7 @@ def propagate(ground, terms, postures, state):
 
     Parameters
     ----------
-    ground, terms, postures : Ground, Terms, Postures
+    ground, terms, postures : WaveLattice, Terms, Postures
         Times of the terms are mental.
     state : (n * n,) uint8 ndarray
         Filled with FREE, FROZEN or CONTACT.

@@ -197,7 +197,7 @@ def batch_of(n):
     cells, places = np.empty(n * n, dtype=np.int64), np.empty(n * n, dtype=np.int64)
     since, until, start, limits = np.empty((4, n * n))
     origins, which = np.empty((n * n, 2), dtype=np.int32), np.empty(n * n, dtype=np.bool_)
-    return agendas.Batch(places, cells, start, origins, limits, since, until, which)
+    return agendas.CheckedCells(places, cells, start, origins, limits, since, until, which)
 
 
 @njit

@@ -9,7 +9,7 @@ from gcm_learn.charts import Chart, Lattice, cell_joints, hand_space
 from gcm_learn.collision import Postures, postures_of
 from gcm_learn.scene import Scene
 from gcm_learn.wave.kernels import Terms
-from gcm_learn.wave.params import MarchingParams, Run, WaveParams
+from gcm_learn.wave.params import MarchingParams, WaveParams, WaveRun
 
 
 def fastest_in_plane(scene: Scene) -> float:
@@ -87,7 +87,7 @@ def terms_of(
     )
 
 
-def run_of(params: WaveParams, quiet: float, slowness: float) -> Run:
+def run_of(params: WaveParams, quiet: float, slowness: float) -> WaveRun:
     """Bind the numbers by which a wave is run.
 
     Parameters
@@ -97,7 +97,7 @@ def run_of(params: WaveParams, quiet: float, slowness: float) -> Run:
     slowness : float
         Inverse speed of the fastest front [tau per cell].
     """
-    return Run(
+    return WaveRun(
         held=params.frozen == "held",
         diffusion=params.diffusion,
         epsilon=params.epsilon,

@@ -21,7 +21,7 @@ import numpy as np
 from gcm_learn.charts import START_RADIUS
 from gcm_learn.compiled import njit
 from gcm_learn.scene.bodies import poses_at
-from gcm_learn.wave.buckets import Queue, put, queue_of, take
+from gcm_learn.wave.buckets import BucketQueue, put, queue_of, take
 from gcm_learn.wave.kernels import FREE, batch_of, judge
 from gcm_learn.wave.plane import (
     ACCEPTED,
@@ -42,13 +42,13 @@ HAND_SOURCE = 0  # a cell of the rim, which is never a source itself
 HALF_DIAGONAL = 0.7072  # of a cell; the hand is in a cell whose centre is this near
 
 
-class Agenda(NamedTuple):
+class MarchingState(NamedTuple):
     """State of the cells of the padded lattice, and a queue of cells."""
 
     status: np.ndarray
     tent: np.ndarray  # earliest arrival known so far
     origin: np.ndarray  # source of every cell: the index of a cell, or HAND_SOURCE
-    queue: Queue  # cells
+    queue: BucketQueue  # cells
     places: np.ndarray  # the cells accepted together
 
 
@@ -128,7 +128,7 @@ def expand(batch, count, state, plane, agenda, bucket):  # noqa: C901  one decis
     ----------
     batch, count : Batch, int
         Cells; those that `state` (n * n,) calls frozen are passed over.
-    plane, agenda : Plane, Agenda
+    plane, agenda : Plane, MarchingState
     bucket : int
         The bucket being worked on; nothing is put into an earlier one.
     """
@@ -269,7 +269,7 @@ def agenda_of(plane):
     """Return an agenda in which nothing is reached yet."""
     n = plane.n
     size = (n + 2) * (n + 2)
-    return Agenda(
+    return MarchingState(
         plane.outside.copy(),
         np.full(size, 1e300),
         np.full(size, -1, dtype=np.int32),

@@ -115,7 +115,7 @@ class MarchingParams:
     """Stop at the first contact with a target or explore to the horizon."""
 
 
-class Run(NamedTuple):
+class WaveRun(NamedTuple):
     """Numbers by which a wave is run."""
 
     held: bool  # frozen cells are seen by their neighbours instead of being cut out

@@ -21,7 +21,7 @@ STEP_I = np.array([-1, -1, -1, 0, 0, 1, 1, 1])
 STEP_J = np.array([-1, 0, 1, -1, 1, -1, 0, 1])
 
 
-class Plane(NamedTuple):
+class PlaneLattice(NamedTuple):
     """A planar lattice and the hand in it."""
 
     n: int

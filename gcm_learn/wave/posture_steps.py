@@ -29,7 +29,7 @@ class Pace(NamedTuple):
     buckets: float  # float32: in a second; a step takes at least as long as a bucket
 
 
-class Field(NamedTuple):
+class NodeArrivals(NamedTuple):
     """Arrivals at the nodes and their state."""
 
     arrival: np.ndarray  # (nodes,) float32: earliest so far [s]

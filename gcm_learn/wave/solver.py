@@ -108,10 +108,10 @@ def start_disc(scene: Scene, lattice: Lattice, params: WaveParams) -> tuple[np.n
 
 def ground_of(
     scene: Scene, lattice: Lattice, params: WaveParams, buffer: np.ndarray, slowness: float
-) -> kernels.Ground:
+) -> kernels.WaveLattice:
     """Bind the lattice at rest in a buffer; `slowness` is the fastest front's [tau per cell]."""
     n, shape = lattice.n, stencil.layout(lattice.n)
-    ground = kernels.Ground(
+    ground = kernels.WaveLattice(
         B=buffer,
         n=n,
         W=shape.width,

@@ -22,7 +22,7 @@ LEFT = 8
 PLANES = 6
 
 
-class Layout(NamedTuple):
+class StencilLayout(NamedTuple):
     """Layout of the buffer of a lattice of n x n cells."""
 
     n: int
@@ -39,10 +39,10 @@ class Layout(NamedTuple):
 WIDTHS = (96, 176, 336)  # rows of lattices up to 80, 160 and 320 cells: one set of kernels each
 
 
-def layout(n: int) -> Layout:
+def layout(n: int) -> StencilLayout:
     """Lay out the planes of an n x n lattice, n at most LARGEST_LATTICE."""
     width = next(w for w in WIDTHS if n + BLOCK <= w)
-    return Layout(n, width, _plane(width), -(-n // BLOCK))
+    return StencilLayout(n, width, _plane(width), -(-n // BLOCK))
 
 
 def room(n: int) -> np.ndarray:

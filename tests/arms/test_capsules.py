@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from gcm_learn.arms import chain_of, frames_at, read_robot
 from gcm_learn.arms.convex_kernels import gaps
-from gcm_learn.arms.robots.capsules import Cell, Site, packed, reduced
+from gcm_learn.arms.robots.capsules import Site, SiteCapsule, packed, reduced
 from gcm_learn.arms.robots.fits import FIRST
 from gcm_learn.arms.robots.tree import Hull, box, corners, cylinder
 from gcm_learn.cli import main
@@ -115,7 +115,7 @@ def within(rng, points, count=400):
 def covered(parts, limit=LIMIT, most=40):
     """Capsules of one site, divided until they lie close."""
     parts = [reduced(part) for part in parts]
-    cells = [Cell(parts, Site(0, parts, limit))]
+    cells = [SiteCapsule(parts, Site(0, parts, limit))]
     while len(cells) < most and max(cell.overhang for cell in cells) > limit:
         worst = max(cells, key=lambda cell: cell.overhang)
         cells = [cell for cell in cells if cell is not worst] + list(worst.divided())

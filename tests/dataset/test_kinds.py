@@ -21,7 +21,7 @@ from gcm_learn.errors import DatasetError, UnknownNameError
 from gcm_learn.families import draw, family_names
 from gcm_learn.maps import chain_to
 from gcm_learn.motion import opening, verify
-from gcm_learn.planners import SpatialProblem, any_straight, without_waits
+from gcm_learn.planners import JointProblem, any_straight, without_waits
 from gcm_learn.recall.map_features import joint_map_features
 from gcm_learn.scene import pack
 from gcm_learn.situation import SpatialFrame, canonical
@@ -120,7 +120,7 @@ def test_the_report_says_which_arms(mapped):
 def test_strata_say_what_the_plans_show(space):
     for record in space:
         straight, patient = record.plans["straight"], record.plans["search"]
-        problem = SpatialProblem(record.situation, "test")
+        problem = JointProblem(record.situation, "test")
         line = any_straight(problem, 32).caught
         assert (record.stratum == "L") == (straight.caught or line)
         if record.stratum == "U":

@@ -9,7 +9,7 @@ import pytest
 from gcm_learn import seeding, situation as records
 from gcm_learn.arms import Arm
 from gcm_learn.families import draw, family_names, get_family, layout
-from gcm_learn.families.pieces import UPRIGHT, Piece, SpaceRanges, planar_body, solid_body
+from gcm_learn.families.pieces import UPRIGHT, PlanarPiece, SpaceRanges, planar_body, solid_body
 from gcm_learn.motion.rules import start_clearance
 from gcm_learn.planners import get_planner
 from gcm_learn.scene.bodies import TOP_SPEED
@@ -41,7 +41,7 @@ def random_piece(rng):
     offset = size[0] * rng.integers(2) if len(size) == 2 else 0.0
     moves = rng.random() < 0.5 and offset == 0.0
     velocity, acceleration = rng.uniform(-3, 3, (2, 2)) if moves else np.zeros((2, 2))
-    return Piece(
+    return PlanarPiece(
         "obstacle", "piece", tuple(map(float, size)), tuple(map(float, rng.uniform(-2, 2, 2))),
         rng.uniform(0, 1), tuple(map(float, velocity)), tuple(map(float, acceleration)),
         rng.uniform(-3, 3), rng.uniform(-5, 5), float(offset),
@@ -108,13 +108,15 @@ def test_points_on_the_way_are_swept(seed):
     rng = seeding.rng(54, seed)
     arm, meet = random_arm(rng), (-0.6, 1.1)
     event = layout.Event(
-        Piece("target", "t", (0.1,), meet), meet, 2.0 * layout.way_time(arm, meet), 1.0, 1.0
+        PlanarPiece("target", "t", (0.1,), meet), meet, 2.0 * layout.way_time(arm, meet), 1.0, 1.0
     )
     inside = float(seed % 2)
     (x, y), when = layout.on_the_way(rng, arm, event, (0.2, 0.8), inside)
     s = when / event.when
     hand = tuple(a + s * (b - a) for a, b in zip(arm.hand, meet, strict=True))
-    point = Piece("obstacle", "p", (0.12,), (x, y))  # as far as a hand's length beyond the hand
+    point = PlanarPiece(
+        "obstacle", "p", (0.12,), (x, y)
+    )  # as far as a hand's length beyond the hand
     assert 0.2 <= s <= 0.8 and layout.touches(point, arm, hand, 0.0)
     if inside:
         ex, ey = layout.elbow_at(arm, hand)

@@ -10,7 +10,7 @@ import pytest
 from gcm_learn import seeding, situation as records
 from gcm_learn.arms import SpatialArm, forward_in_space
 from gcm_learn.motion import rules_of
-from gcm_learn.planners import SpatialProblem
+from gcm_learn.planners import JointProblem
 from gcm_learn.planners.baselines.straight import StraightPlanner, StraightWaitPlanner
 from gcm_learn.planners.joints.moves import study_of, time_of
 from gcm_learn.planners.joints.pull import box, met_from, slope_at
@@ -169,9 +169,7 @@ def test_most_of_the_examples():
 @pytest.mark.parametrize("span", [0.0, np.spacing(0.5), 1e-12, 1e-6])
 def test_legs_that_take_hardly_any_time_are_still_in_order(span):
     """A leg is told in pieces where the hand's speed limits it; their times must not be equal."""
-    problem = SpatialProblem(
-        scene(ball((0.5, 0.5, 9.0)), arm=replace(ARM, max_hand_speed=2.0)), "x"
-    )
+    problem = JointProblem(scene(ball((0.5, 0.5, 9.0)), arm=replace(ARM, max_hand_speed=2.0)), "x")
     study = study_of(problem.scene, problem.rules)
     joints = np.array([ARM.joints, GOAL, ARM.joints, GOAL])
     assert time_of(study, joints[0], joints[1])[1] > 1

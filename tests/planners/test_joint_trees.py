@@ -9,7 +9,7 @@ from gcm_learn import seeding
 from gcm_learn.arms import forward_in_space
 from gcm_learn.planners.baselines.st_rrt_star import STRRTStarPlanner
 from gcm_learn.planners.baselines.st_rrt_star_joints import draw_posture, task_in_space
-from gcm_learn.planners.completion import SpatialProblem
+from gcm_learn.planners.completion import JointProblem
 from gcm_learn.situation import Sphere, read_situations
 from tests.judging import judge
 from tests.planners.test_joint_straight import ARM, GOAL, RADIUS, ball, flying, hand_of, scene
@@ -21,7 +21,7 @@ POST = flying("obstacle", Sphere(0.2), hand_of((np.array(ARM.joints) + GOAL) / 2
 
 
 def task_of(situation):
-    return task_in_space(SpatialProblem(situation, "test"), 0, 0.0, 0)
+    return task_in_space(JointProblem(situation, "test"), 0, 0.0, 0)
 
 
 def test_a_leg_keeps_the_limits_and_goes_forward_in_time():

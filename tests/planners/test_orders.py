@@ -9,7 +9,7 @@ import pytest
 from gcm_learn.families import draw
 from gcm_learn.planners import TreeSearch, plan_to_json
 from gcm_learn.planners.joints.meetings import INSTANTS, soonest
-from gcm_learn.planners.orders import ORDERS, SHORT, Course, bounded, distances, with_targets
+from gcm_learn.planners.orders import ORDERS, SHORT, LegCourse, bounded, distances, with_targets
 from gcm_learn.planners.sequences import caught_in_turn, joined
 from gcm_learn.referee import judge
 from gcm_learn.situation import situation_to_json
@@ -34,7 +34,7 @@ def never():
 def test_courses_get_better_and_their_movement_holds(situations, order):
     caught = 0
     for situation in situations:
-        courses = list(ORDERS[order](LEG, Course(situation), never))
+        courses = list(ORDERS[order](LEG, LegCourse(situation), never))
         worths = [course.worth for course in courses]
         assert worths == sorted(worths)
         if courses:
@@ -49,8 +49,8 @@ def test_courses_get_better_and_their_movement_holds(situations, order):
 
 def test_branch_and_bound_catches_at_least_as_many_as_its_first_way_down(situations):
     for situation in situations:
-        worths = [course.worth for course in bounded(LEG, Course(situation), never)]
-        greedy = list(ORDERS["time"](LEG, Course(situation), never))
+        worths = [course.worth for course in bounded(LEG, LegCourse(situation), never)]
+        greedy = list(ORDERS["time"](LEG, LegCourse(situation), never))
         if greedy:
             assert worths[-1][0] >= greedy[-1].worth[0]
 
@@ -63,7 +63,7 @@ def test_an_order_stops_when_time_is_up(situations):
         return LEG(situation)
 
     for order in ORDERS.values():
-        assert list(order(leg, Course(situations[0]), lambda: True)) == []
+        assert list(order(leg, LegCourse(situations[0]), lambda: True)) == []
     assert asked == []
 
 
@@ -95,7 +95,7 @@ def test_targets_caught_at_once_are_told_in_the_order_of_the_bodies(situations):
     twin = replace(last, name="twin")
     both = replace(situation, bodies=(twin, *situation.bodies))
     for names in (["twin", last.name], [last.name, "twin"]):
-        course = Course(both)
+        course = LegCourse(both)
         for name in names:
             course = course.with_leg(LEG(with_targets(course.now, {name})))
         plan = joined(both, course.legs, 0.0)
@@ -119,5 +119,5 @@ def test_with_more_time_orders_are_tried_again_with_longer_legs(situations):
 
 
 def test_only_courses_better_than_a_known_one_are_told(situations):
-    best = list(bounded(LEG, Course(situations[0]), never))[-1]
-    assert list(bounded(LEG, Course(situations[0]), never, best)) == []
+    best = list(bounded(LEG, LegCourse(situations[0]), never))[-1]
+    assert list(bounded(LEG, LegCourse(situations[0]), never, best)) == []

@@ -22,7 +22,7 @@ from gcm_learn.planners.baselines.st_rrt_star import STRRTStarPlanner, task_of
 from gcm_learn.planners.baselines.st_rrt_star_joints import near, task_in_space
 from gcm_learn.planners.baselines.st_rrt_star_moves import draw_goal, leg_holds
 from gcm_learn.planners.baselines.straight import StraightPlanner
-from gcm_learn.planners.completion import Problem, SpatialProblem
+from gcm_learn.planners.completion import JointProblem, Problem
 from gcm_learn.planners.oracle.bounds import bounds
 from gcm_learn.referee import judge as referee_judge
 from gcm_learn.situation import Body, Disc, Situation, read_situations, situation_from_json
@@ -283,7 +283,7 @@ def test_its_catches_of_chains_pass_the_referee_and_repeat():
 
 def chain_task(k, postures=()):
     situation = situation_from_json(chains.drawn("panda", k))
-    problem = SpatialProblem(situation, "test")
+    problem = JointProblem(situation, "test")
     task = task_in_space(problem, seed=0, budget_ms=0.0, iterations=0)
     return problem, near(task, postures) if postures else task
 

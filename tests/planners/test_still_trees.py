@@ -10,7 +10,7 @@ import pytest
 from gcm_learn import families
 from gcm_learn.motion import Failure
 from gcm_learn.planners import TreeSearch
-from gcm_learn.planners.completion import SpatialProblem
+from gcm_learn.planners.completion import JointProblem
 from gcm_learn.planners.joints import tree_search
 from gcm_learn.planners.joints.moves import time_of
 from gcm_learn.planners.joints.still_trees import search_still, straighten, timed
@@ -44,7 +44,7 @@ def at_rest(index):
 
 def met(situation, seed, search):
     """Return the problem, its trees, and the first way that they find."""
-    problem = SpatialProblem(situation, "search")
+    problem = JointProblem(situation, "search")
     study, way = problem.study, new_way(problem.study.goal.size)
     trees = new_trees(study, 4000, seed, False)
     assert search(study, trees, 4000, situation.horizon, way)

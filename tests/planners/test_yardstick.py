@@ -12,7 +12,7 @@ from gcm_learn.motion import Failure
 from gcm_learn.planners import stratum, yardstick
 from gcm_learn.planners.baselines.potential import PotentialPlanner
 from gcm_learn.planners.baselines.straight import StraightPlanner, StraightWaitPlanner
-from gcm_learn.planners.completion import SpatialProblem
+from gcm_learn.planners.completion import JointProblem
 from gcm_learn.planners.joints.moves import study_of
 from gcm_learn.planners.oracle.bounds import OraclePlanner
 from gcm_learn.planners.oracle.posture_boxes import earliest_possible
@@ -28,7 +28,7 @@ LID = flying("obstacle", Sphere(0.35), hand_of(GOAL), (0.0, 1.2, 0.0))
 
 
 def lower(situation):
-    problem = SpatialProblem(situation, "test")
+    problem = JointProblem(situation, "test")
     return earliest_possible(study_of(problem.scene, problem.rules))
 
 

@@ -6,7 +6,7 @@ from html.parser import HTMLParser
 
 from matplotlib.figure import Figure
 
-from gcm_learn.plots.reports.page import Picture, Section, Table, picture_of, render
+from gcm_learn.plots.reports.page import PageTable, Picture, Section, picture_of, render
 
 
 class Links(HTMLParser):
@@ -43,7 +43,7 @@ def read(page):
 def test_page_is_balanced_escaped_and_linked():
     pictures = [Picture("a.png", 'say "a"', 300), Picture("b.png", "b", 400)]
     section = Section(
-        "one", "A < B", ["1 & 2", "run `a < b`"], [Table(("x",), [["<b>"]])], pictures
+        "one", "A < B", ["1 & 2", "run `a < b`"], [PageTable(("x",), [["<b>"]])], pictures
     )
     page = render(
         "T", ["first", "rest"], Picture("o.gif", "o", 200), [("#fff", "white")], [section]

@@ -23,7 +23,7 @@ from gcm_learn.recall.hand_paths import KNOTS, hand_work
 from gcm_learn.recall.index import LearnedIndex
 from gcm_learn.recall.networks import EncoderNet, Inputs
 from gcm_learn.recall.search import Searcher
-from gcm_learn.recall.trials import Budget, Offer, first_valid
+from gcm_learn.recall.trials import Offer, TrialLimits, first_valid
 from tests.judging import judge
 from tests.transforms import turned
 
@@ -103,7 +103,7 @@ def test_a_failure_sends_what_lies_near_it_to_the_back(traces):
         for penalty in (0.0, 2.0):
             scores = np.array([1.0] * len(bad) + [0.5])
             offer = Offer(chosen, scores, places, np.ones(len(chosen), bool))
-            budget = Budget(DEFAULT.bends, 99, 0.0, penalty)
+            budget = TrialLimits(DEFAULT.bends, 99, 0.0, penalty)
             found, _, tried[penalty], _ = first_valid(
                 query, stacked(traces), offer, DEFAULT.styles, budget, hand_work(query)
             )
@@ -126,7 +126,7 @@ def test_after_a_failure_the_memory_that_touches_least_is_next(traces):
             places = np.zeros((5, 2), np.float32)
             offer = Offer(chosen, -1e-3 * np.arange(5.0), places, np.ones(5, bool))
             found[novelty] = first_valid(
-                query, stacked(traces), offer, unbent.styles, Budget(0, 2, novelty, 0.0),
+                query, stacked(traces), offer, unbent.styles, TrialLimits(0, 2, novelty, 0.0),
                 hand_work(query),
             )[0]  # fmt: skip
         assert found[0.0] == -1

@@ -20,7 +20,7 @@ from gcm_learn.recall.hand_features import CELLS, CONTEXT
 from gcm_learn.recall.map_features import planar_map, planar_map_features
 from gcm_learn.recall.networks import binary, contrast, listwise
 from gcm_learn.recall.training import CHECKPOINT, LOG, Effort, Trainer
-from gcm_learn.recall.transfer_labels import Labels
+from gcm_learn.recall.transfer_labels import ValidMemories
 
 pytest.importorskip("torch")
 pytest.importorskip("safetensors")
@@ -71,7 +71,7 @@ class Toy:
             self.asked += 1
             rows = best(features, 30)
         nothing = np.full(SITUATIONS, -1)
-        return Labels(features, rows, self.valid(target, body, rows), nothing)
+        return ValidMemories(features, rows, self.valid(target, body, rows), nothing)
 
     def validate(self, best):
         target, body, features = self.situations(seeding.rng(self.seed, 2))

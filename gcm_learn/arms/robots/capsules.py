@@ -24,7 +24,7 @@ _NUDGE = 0.3  # of ends, with which a search begins [radii]
 _TRIED = 2  # divisions that are worked out, of all that are thought of
 
 
-class Capsule(NamedTuple):
+class FittedCapsule(NamedTuple):
     """A capsule about parts of a link; a ball where both ends are equal."""
 
     start: np.ndarray  # (3,)
@@ -126,7 +126,7 @@ class Site:
         still = np.tile(np.eye(3), (len(points), 1, 1))
         return np.maximum(gaps(*self._parts, len(self.hulls), still, points, 1e9), 0.0)
 
-    def cost(self, capsule: Capsule) -> float:
+    def cost(self, capsule: FittedCapsule) -> float:
         """Return the volume of a capsule beyond the parts, and more where it lies far out."""
         points, areas = capsule.skin(_FEW)
         nodes = (points - self._low) / self._step
@@ -135,20 +135,20 @@ class Site:
         return float(areas @ out * (1.0 + share + 10.0 * max(share - 0.9, 0.0)))
 
 
-class Cell:
+class SiteCapsule:
     """A capsule that holds parts of a site, or pieces of them, whatever is rounded."""
 
     def __init__(self, hulls: Sequence[Hull], site: Site) -> None:
         self.hulls, self.site = hulls, site
         start, end, radius = _fitted(all_balls(hulls), site)
         radius = float(np.round(radius + 2.0 * 10.0**-DIGITS, DIGITS))
-        self.capsule = Capsule(np.round(start, DIGITS), np.round(end, DIGITS), radius)
+        self.capsule = FittedCapsule(np.round(start, DIGITS), np.round(end, DIGITS), radius)
         self.packed = packed([self.capsule.hull])
         self.overhang = float(site.away(self.capsule.skin(_MANY)[0]).max())
         """Largest distance of the capsule's surface from all parts of the site."""
         self.whole = False  # if it cannot be divided
 
-    def divided(self) -> tuple[Cell, Cell] | None:
+    def divided(self) -> tuple[SiteCapsule, SiteCapsule] | None:
         """Return two capsules that lie less far beyond the parts, if that is possible.
 
         Parts are cut by planes. Each piece lies in this capsule, which is convex, so that both hold
@@ -159,7 +159,10 @@ class Cell:
             if all(sides):
                 cost = sum(min(map(self.site.cost, _tries(all_balls(side)))) for side in sides)
                 tried.append((cost, len(tried), sides))
-        made = [(Cell(a, self.site), Cell(b, self.site)) for _, _, (a, b) in sorted(tried)[:_TRIED]]
+        made = [
+            (SiteCapsule(a, self.site), SiteCapsule(b, self.site))
+            for _, _, (a, b) in sorted(tried)[:_TRIED]
+        ]
         return min(
             made, key=lambda two: sum(self.site.cost(cell.capsule) for cell in two), default=None
         )
@@ -168,7 +171,7 @@ class Cell:
 Sides = tuple[list[Hull], list[Hull]]
 
 
-def _divisions(cell: Cell) -> Iterator[Sides]:
+def _divisions(cell: SiteCapsule) -> Iterator[Sides]:
     """Yield divisions of a capsule's parts in two: by planes that cut, and of whole parts."""
     balls, hulls = all_balls(cell.hulls), cell.hulls
     middles = np.array([hull.centres.mean(axis=0) for hull in hulls])
@@ -238,13 +241,13 @@ def _axes(points: np.ndarray) -> np.ndarray:
     return np.linalg.eigh(spread.T @ spread)[1].T
 
 
-def _about(start: np.ndarray, end: np.ndarray, balls: np.ndarray) -> Capsule:
+def _about(start: np.ndarray, end: np.ndarray, balls: np.ndarray) -> FittedCapsule:
     """Return the thinnest capsule with given ends that holds balls (n, 4)."""
     radius = (off_segment(balls[:, :3], start, end) + balls[:, 3]).max()
-    return Capsule(start, end, float(radius))
+    return FittedCapsule(start, end, float(radius))
 
 
-def _tries(balls: np.ndarray) -> Iterator[Capsule]:
+def _tries(balls: np.ndarray) -> Iterator[FittedCapsule]:
     """Yield capsules along the principal axes of what they hold."""
     points, radii = balls[:, :3], balls[:, 3:]
     middle = 0.5 * ((points - radii).min(axis=0) + (points + radii).max(axis=0))
@@ -259,14 +262,14 @@ def _tries(balls: np.ndarray) -> Iterator[Capsule]:
             yield _about(centre - half, centre + half, balls)
 
 
-def enclosing(balls: np.ndarray) -> Capsule:
+def enclosing(balls: np.ndarray) -> FittedCapsule:
     """Return a small capsule about balls (n, 4); that of a capsule is itself."""
     if len(balls) < 3 and np.ptp(balls[:, 3]) == 0.0:
-        return Capsule(balls[0, :3], balls[-1, :3], float(balls[0, 3]))
+        return FittedCapsule(balls[0, :3], balls[-1, :3], float(balls[0, 3]))
     return min(_tries(balls), key=lambda capsule: capsule.volume)
 
 
-def _fitted(balls: np.ndarray, site: Site) -> Capsule:
+def _fitted(balls: np.ndarray, site: Site) -> FittedCapsule:
     """Return a capsule that lies little beyond the parts, by a search that begins at a guess."""
     if len(balls) < 3 and np.ptp(balls[:, 3]) == 0.0:
         return enclosing(balls)

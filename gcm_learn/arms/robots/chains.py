@@ -12,10 +12,10 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from gcm_learn.arms.chain import ChainJoint, ChainModel, Hand, Link
-from gcm_learn.arms.robots.capsules import Capsule, reduced
+from gcm_learn.arms.robots.capsules import FittedCapsule, reduced
 from gcm_learn.arms.robots.fits import MOST, Cover, Freedom, covered
 from gcm_learn.arms.robots.following import MOVING, Placed, arranged
-from gcm_learn.arms.robots.pairs import Solid
+from gcm_learn.arms.robots.pairs import RigidLink
 from gcm_learn.arms.robots.tree import Drive, Hull, Inertial, Robot, RobotJoint, together
 from gcm_learn.arms.robots.urdf import read_urdf
 from gcm_learn.arms.robots.urdf_checks import is_xacro
@@ -151,8 +151,8 @@ def chain_of(
     if tool is not None:
         if not 0.0 < tool < math.inf:
             raise RobotError(f"tool: must be above 0 (got {tool:g})")
-        reach = Capsule(pose[:3, 3], np.array(hand.point), tool)
-        solids.append(Solid(f"tool of {tip}", last, [reach.hull._replace(link=len(solids))]))
+        reach = FittedCapsule(pose[:3, 3], np.array(hand.point), tool)
+        solids.append(RigidLink(f"tool of {tip}", last, [reach.hull._replace(link=len(solids))]))
     bare = Link(0, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 1.0)
     model = ChainModel(name or robot.name, tuple(joints), (bare,), hand, (), source)
     made = covered(model, solids, _joined(robot), capsules or MOST, seed)
@@ -231,14 +231,14 @@ def _chain_joint(
         raise RobotError(f"joint {joint.name!r}: {error}") from None
 
 
-def _solids(robot: Robot, frames: Mapping[str, tuple[int, np.ndarray]]) -> list[Solid]:
+def _solids(robot: Robot, frames: Mapping[str, tuple[int, np.ndarray]]) -> list[RigidLink]:
     """Return the links that can touch anything, in the frames that carry them."""
-    solids: list[Solid] = []
+    solids: list[RigidLink] = []
     for link in robot.links.values():
         if link.hulls and link.name in frames:
             number, pose = frames[link.name]
             hulls = [reduced(h.moved(pose)._replace(link=len(solids))) for h in link.hulls]
-            solids.append(Solid(link.name, number, hulls))
+            solids.append(RigidLink(link.name, number, hulls))
     if not solids:
         looks = any(link.looks for link in robot.links.values())
         raise RobotError(f"has no collision geometry{'; try --visual' if looks else ''}")

@@ -11,8 +11,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from gcm_learn.arms.chain import ChainModel, Link
-from gcm_learn.arms.robots.capsules import Cell, Site, enclosing, packed
-from gcm_learn.arms.robots.pairs import Frames, Meets, Solid, meetings
+from gcm_learn.arms.robots.capsules import Site, SiteCapsule, enclosing, packed
+from gcm_learn.arms.robots.pairs import Frames, Meets, RigidLink, meetings
 from gcm_learn.arms.robots.tree import Hull, all_balls
 
 MOST = 40
@@ -55,7 +55,7 @@ class Freedom(NamedTuple):
 
 
 def covered(
-    model: ChainModel, solids: Sequence[Solid], joined: Collection[frozenset[str]], each: int,
+    model: ChainModel, solids: Sequence[RigidLink], joined: Collection[frozenset[str]], each: int,
     seed: int,
 ) -> tuple[ChainModel, tuple[Cover, ...], tuple[tuple[Hull, ...], ...], Freedom]:  # fmt: skip
     """Return the first fields of `Fitted`: capsules about links, and pairs to be checked.
@@ -67,7 +67,7 @@ def covered(
     meets, passed = meetings(solids, frames, joined)
     hand = frames.places[model.hand.joint] + frames.rotations[model.hand.joint] @ model.hand.point
     reach = float(np.linalg.norm(hand - model.joints[0].origin, axis=1).max())
-    cells = Cells(frames, meets, max(SMALL[0], SMALL[1] * reach), each)
+    cells = DividedCapsules(frames, meets, max(SMALL[0], SMALL[1] * reach), each)
     cells.cover(solids, passed)
     names = {site: _named(site, solids) for site in cells.sites}
     cells.cells.sort(key=lambda cell: cells.sites.index(cell.site))
@@ -86,14 +86,14 @@ def covered(
     return model, tuple(covers), parts, _freedom(cells, list(names.values()))
 
 
-def _named(site: Site, solids: Sequence[Solid]) -> str:
+def _named(site: Site, solids: Sequence[RigidLink]) -> str:
     """Return the name of the largest link, and how many share its capsules."""
     own = sorted({hull.link for hull in site.hulls})
     first = max(own, key=lambda k: enclosing(all_balls(solids[k].hulls)).volume)
     return solids[first].name + (f" and {len(own) - 1} more" if len(own) > 1 else "")
 
 
-def _freedom(cells: Cells, names: Sequence[str]) -> Freedom:
+def _freedom(cells: DividedCapsules, names: Sequence[str]) -> Freedom:
     """Compare capsules with parts at the random postures, in all and for each pair of sites."""
     number = {hull.link: k for k, site in enumerate(cells.sites) for hull in site.hulls}
     frames = cells.frames.some(cells.frames.random)
@@ -116,7 +116,7 @@ def _freedom(cells: Cells, names: Sequence[str]) -> Freedom:
     return Freedom(parts, capsules, tuple(sorted(worst, key=lambda clash: -clash.capsules)))
 
 
-class Cells:
+class DividedCapsules:
     """Capsules of an arm that are divided one by one, and where they overlap; see `meetings`.
 
     Those with an overhang above the limit are divided as long as there are fewer than `MOST`.
@@ -127,15 +127,15 @@ class Cells:
         free = frames.random & ~frames.any_of(meets.values())
         self._trials = frames.some(np.flatnonzero(free)[:TRIALS])
         self.sites: list[Site] = []
-        self.cells: list[Cell] = []
-        self.pairs: dict[tuple[Cell, Cell], np.ndarray] = {}
+        self.cells: list[SiteCapsule] = []
+        self.pairs: dict[tuple[SiteCapsule, SiteCapsule], np.ndarray] = {}
         """Pairs that are checked, and in which trials they overlap."""
 
-    def cover(self, solids: Sequence[Solid], passed: Collection[tuple[int, int]]) -> None:
+    def cover(self, solids: Sequence[RigidLink], passed: Collection[tuple[int, int]]) -> None:
         """Cover links by capsules, and divide these; for the arguments see `meetings`."""
         for joint, hulls in _shared(solids, passed):
             self.sites.append(Site(joint, hulls, self.limit))
-            self._add(Cell(hulls, self.sites[-1]))
+            self._add(SiteCapsule(hulls, self.sites[-1]))
         self.sites.sort(key=lambda site: site.hulls[0].link)
         least, tries = 1.0, 0
         while len(self.cells) < MOST:
@@ -149,7 +149,7 @@ class Cells:
                 break
             self._divide(cell)
 
-    def _add(self, new: Cell) -> None:
+    def _add(self, new: SiteCapsule) -> None:
         """Add a capsule, and check it against all others whose parts it can meet."""
         for old in self.cells:
             joints = old.site.joint, new.site.joint
@@ -157,7 +157,7 @@ class Cells:
                 self.pairs[old, new] = self._trials.gaps(old.packed, new.packed, joints) <= 0.0
         self.cells.append(new)
 
-    def _touching(self, one: Cell, two: Cell) -> bool:
+    def _touching(self, one: SiteCapsule, two: SiteCapsule) -> bool:
         """Return whether parts of links that are checked touch in any posture."""
         joints = one.site.joint, two.site.joint
         links = ({hull.link for hull in cell.hulls} for cell in (one, two))
@@ -174,7 +174,7 @@ class Cells:
                     return True
         return False
 
-    def _costliest(self) -> Cell | None:
+    def _costliest(self) -> SiteCapsule | None:
         """Return the capsule to which most trials are lost, that farther out of a pair."""
         weights = dict.fromkeys(self.cells, 0.0)
         many = np.maximum(np.sum([*self.pairs.values()], axis=0), 1)
@@ -185,15 +185,15 @@ class Cells:
         best = max(weights, key=weights.__getitem__)
         return best if weights[best] > 0.0 else None
 
-    def _farthest(self) -> Cell | None:
+    def _farthest(self) -> SiteCapsule | None:
         """Return the capsule with the largest overhang, if that is beyond the limit."""
         over = [c for c in self.cells if c.overhang > self.limit and self._divisible(c)]
         return max(over, key=lambda cell: cell.overhang, default=None)
 
-    def _divisible(self, cell: Cell) -> bool:
+    def _divisible(self, cell: SiteCapsule) -> bool:
         return not cell.whole and sum(c.site is cell.site for c in self.cells) < self.each
 
-    def _divide(self, cell: Cell) -> None:
+    def _divide(self, cell: SiteCapsule) -> None:
         """Put two capsules in the place of one, if that is possible."""
         two = cell.divided()
         cell.whole = two is None
@@ -205,7 +205,7 @@ class Cells:
 
 
 def _shared(
-    solids: Sequence[Solid], passed: Collection[tuple[int, int]]
+    solids: Sequence[RigidLink], passed: Collection[tuple[int, int]]
 ) -> Iterator[tuple[int, list[Hull]]]:
     """Yield a joint and parts for each capsule to begin with.
 

@@ -39,7 +39,7 @@ def frames_at(model: ChainModel, joints: np.ndarray) -> tuple[np.ndarray, np.nda
     return np.array(rotations), np.array(places)
 
 
-class Solid(NamedTuple):
+class RigidLink(NamedTuple):
     """A rigid link: its name, the joint whose frame carries it, and its parts in that frame."""
 
     name: str
@@ -84,7 +84,7 @@ class Frames(NamedTuple):
 
 
 def meetings(
-    solids: Sequence[Solid], frames: Frames, joined: Collection[frozenset[str]]
+    solids: Sequence[RigidLink], frames: Frames, joined: Collection[frozenset[str]]
 ) -> tuple[Meets, set[tuple[int, int]]]:
     """Return pairs whose parts overlap, with the postures (m,), and pairs that are passed over.
 

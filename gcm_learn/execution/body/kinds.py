@@ -39,7 +39,7 @@ class Turning(NamedTuple):
     axis: tuple[float, ...]
 
 
-class Capsule(NamedTuple):
+class LinkCapsule(NamedTuple):
     """Link of a segment; in the arm's unit."""
 
     number: int
@@ -62,7 +62,7 @@ class Segment(NamedTuple):
     inertia: Inertia | None
     """Absent for what never moves."""
     joints: tuple[Turning, ...]
-    links: tuple[Capsule, ...]
+    links: tuple[LinkCapsule, ...]
 
 
 @dataclass(frozen=True)
@@ -107,7 +107,7 @@ def _bones(arm: arms.SpatialArm, body: ArmBody) -> list[Segment]:
         bone = body.bones[i]
         inertia = Inertia(bone.mass, bone.centre, unturned, bone.inertia)
         joints = tuple(Turning("revolute", axis) for axis in AXES[2 * i : 2 * i + 2])
-        link = Capsule(i, nowhere, end, arm.thickness)
+        link = LinkCapsule(i, nowhere, end, arm.thickness)
         made.append(Segment(name, i, place, unturned, inertia, joints, (link,)))
         place = end
     return made
@@ -115,7 +115,7 @@ def _bones(arm: arms.SpatialArm, body: ArmBody) -> list[Segment]:
 
 def _frames(arm: arms.Chain, body: ChainBody) -> list[Segment]:
     links = [
-        (link.joint, Capsule(i, link.start, link.end, link.radius))
+        (link.joint, LinkCapsule(i, link.start, link.end, link.radius))
         for i, link in enumerate(arm.model.links)
     ]
     count = len(arm.model.joints)

@@ -18,7 +18,14 @@ import numpy as np
 
 from gcm_learn.arms import rotation_of
 from gcm_learn.errors import MissingExtraError, PhysicsError
-from gcm_learn.execution.body.kinds import MECHANICS, Capsule, Segment, Turning, rested, strongest
+from gcm_learn.execution.body.kinds import (
+    MECHANICS,
+    LinkCapsule,
+    Segment,
+    Turning,
+    rested,
+    strongest,
+)
 from gcm_learn.situation import AnyArmBody, Body, Motor, Shape, numbers_of
 
 STEP = 0.002
@@ -222,7 +229,7 @@ def _range(given: tuple[float, float], metric: float) -> list[float]:
     return [low, high] if low < high else [low - STUCK, low + STUCK]
 
 
-def _add_link(parent: Xml.Element, link: Capsule, metres: float) -> None:
+def _add_link(parent: Xml.Element, link: LinkCapsule, metres: float) -> None:
     """Add a capsule; a sphere where both ends are equal."""
     start, end = np.array(link.start) * metres, np.array(link.end) * metres
     size: dict[str, Any] = {"size": max(link.radius * metres, SMALLEST)}

@@ -20,7 +20,7 @@ class Events(Protocol):
 
 
 @dataclass(frozen=True)
-class Lead:
+class LedArm:
     """Functions of an arm that is led along trajectories on the world's clock."""
 
     forearm: Callable[[Any], float]
@@ -38,13 +38,13 @@ class Lead:
     events: Callable[[Scene], Events]
 
 
-_SPATIAL = Lead(
+_SPATIAL = LedArm(
     lambda arm: math.hypot(*arm.forearm), joint_leading.begun, joint_leading.at_first,
     joint_leading.led, joint_leading.gap, joint_leading.rest_of, joint_leading.JointEvents,
 )  # fmt: skip
 LEADS = ByKind(
     {
-        PLANAR: Lead(
+        PLANAR: LedArm(
             lambda arm: 1.0, hand_leading.begun, hand_leading.at_first, hand_leading.led,
             hand_leading.gap, hand_leading.rest_of, hand_leading.HandEvents,
         ),

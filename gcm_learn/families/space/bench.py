@@ -9,9 +9,9 @@ import numpy as np
 
 from gcm_learn.families import ranges
 from gcm_learn.families.layout import TRIES
-from gcm_learn.families.space.family import SpatialFamily, Story, fits
+from gcm_learn.families.space.family import SpaceStory, SpatialFamily, fits
 from gcm_learn.families.space.solids import STILL, solid
-from gcm_learn.families.space.stage import Stage, Way
+from gcm_learn.families.space.stage import SpaceStage, SpaceWay
 from gcm_learn.situation import Body, Box, Cylinder, Sphere
 
 THIN = 0.05  # half the thickness of the table's top [forearms]
@@ -48,7 +48,7 @@ class BenchSpace(SpatialFamily):
     slides: ranges.Range = ranges.span(0.5, 2.5)
     """Their speeds [forearms/s]."""
 
-    def story(self, rng: np.random.Generator, stage: Stage) -> Story:
+    def story(self, rng: np.random.Generator, stage: SpaceStage) -> SpaceStory:
         """A table, a ball and goods."""
         top, edge = ranges.pick(rng, self.height), ranges.pick(rng, self.edge)
         if top > -2.0 * stage.thickness:
@@ -62,11 +62,11 @@ class BenchSpace(SpatialFamily):
                 if fits(stage, way, way.takes, (good,)):
                     break
             bodies.append(good)
-        return Story(way, way.takes, tuple(bodies))
+        return SpaceStory(way, way.takes, tuple(bodies))
 
     def _way(
-        self, rng: np.random.Generator, stage: Stage, table: Body, top: float, edge: float
-    ) -> tuple[Way, Body]:
+        self, rng: np.random.Generator, stage: SpaceStage, table: Body, top: float, edge: float
+    ) -> tuple[SpaceWay, Body]:
         """A start under or over the table, and a ball on it that the hand may touch."""
         _, hand = stage.limb(stage.joints)
         free = stage.room(stage.joints, (table,)) > 0.0
@@ -81,7 +81,7 @@ class BenchSpace(SpatialFamily):
         place = np.array([way.meet[0], way.meet[1], top + radius])
         return way, solid("target", Sphere(radius), place, when=way.takes, velocity=course)
 
-    def _good(self, rng: np.random.Generator, way: Way, top: float, name: str) -> Body:
+    def _good(self, rng: np.random.Generator, way: SpaceWay, top: float, name: str) -> Body:
         """A box or a can that stands before or beside the ball, or slides past it."""
         size, high = ranges.pick(rng, self.size), ranges.pick(rng, self.tall)
         towards = way.meet * rng.uniform(0.4, 1.0) + rng.normal(size=3) * 0.3

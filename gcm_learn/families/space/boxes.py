@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from gcm_learn.families.ranges import Range, number, pick, pick_angle, span
-from gcm_learn.families.space.family import SpatialFamily, Story, leaving, through
+from gcm_learn.families.space.family import SpaceStory, SpatialFamily, leaving, through
 from gcm_learn.families.space.solids import UP, axes_along, moved, solid
-from gcm_learn.families.space.stage import Stage, Way
+from gcm_learn.families.space.stage import SpaceStage, SpaceWay
 from gcm_learn.situation import Body, Box, Cylinder
 
 THICK = 0.03  # half the thickness of walls [forearms]
@@ -40,7 +40,7 @@ class CrateSpace(SpatialFamily):
     depth: Range = span(0.25, 0.55, 0.05)
     """From the lid to the ball [forearms]."""
 
-    def story(self, rng: np.random.Generator, stage: Stage) -> Story:
+    def story(self, rng: np.random.Generator, stage: SpaceStage) -> SpaceStory:
         """A ball in a crate."""
         way = stage.way(rng, self.takes, None, reaching(stage))
         axes = entrance(stage, way)
@@ -51,13 +51,13 @@ class CrateSpace(SpatialFamily):
         crate = crate_of(way.meet, axes, (wide, high, depth), behind)
         target = self.ball(rng, way.meet, radius=radius)
         if rng.random() >= self.lids:
-            return Story(way, way.takes, (target, *crate))
+            return SpaceStory(way, way.takes, (target, *crate))
         gone = way.opens(stage.horizon, pick(rng, self.left))
         k, side = SIDES[int(rng.integers(4))]
         size = (wide + 2.0 * THICK, high + 2.0 * THICK, THICK)
         lid = solid("lid", Box(size), way.meet + (depth + 3.0 * THICK) * axes[:, 2], axes)
         lid = leaving(stage, way, lid, side * axes[:, k], gone)
-        return Story(way, gone, (target, *crate, lid))
+        return SpaceStory(way, gone, (target, *crate, lid))
 
 
 @dataclass(frozen=True)
@@ -84,7 +84,7 @@ class TraySpace(SpatialFamily):
     headroom: Range = span(0.15, 0.4, 0.01)
     """Between a hand at the ball and the roof [forearms]."""
 
-    def story(self, rng: np.random.Generator, stage: Stage) -> Story:
+    def story(self, rng: np.random.Generator, stage: SpaceStage) -> SpaceStory:
         """A tray with a ball, and what is over it."""
         way = stage.way(rng, self.takes, None, reaching(stage))
         covered = rng.random() < self.covers
@@ -99,11 +99,16 @@ class TraySpace(SpatialFamily):
         bodies = [ball, *carried]
         if covered:
             bodies[-1] = leaving(stage, way, bodies[-1], UP, when)
-        return Story(way, when, tuple(bodies))
+        return SpaceStory(way, when, tuple(bodies))
 
     @staticmethod
     def _cover(
-        rng: np.random.Generator, stage: Stage, way: Way, radius: float, low: float, when: float
+        rng: np.random.Generator,
+        stage: SpaceStage,
+        way: SpaceWay,
+        radius: float,
+        low: float,
+        when: float,
     ) -> tuple[Body, ...]:
         """A dome over the ball."""
         half = low + 0.5 * radius
@@ -113,8 +118,8 @@ class TraySpace(SpatialFamily):
     def _roof(
         self,
         rng: np.random.Generator,
-        stage: Stage,
-        way: Way,
+        stage: SpaceStage,
+        way: SpaceWay,
         radius: float,
         low: float,
         when: float,
@@ -130,13 +135,13 @@ class TraySpace(SpatialFamily):
         return roof, solid("back", Box((THICK, radius, half)), middle, axes)
 
 
-def reaching(stage: Stage) -> np.ndarray:
+def reaching(stage: SpaceStage) -> np.ndarray:
     """Return which postures reach level or down (n,)."""
     elbow, hand = stage.limb(stage.joints)
     return (hand - elbow)[:, 2] < 0.3
 
 
-def entrance(stage: Stage, way: Way) -> np.ndarray:
+def entrance(stage: SpaceStage, way: SpaceWay) -> np.ndarray:
     """Axes of a box that the forearm enters: z out of it, upwards or level."""
     elbow, _ = stage.limb(way.end)
     out = elbow - way.meet

@@ -11,7 +11,7 @@ from gcm_learn.families.layout import TRIES
 from gcm_learn.families.ranges import Counts, Range, counts, number, pick, pick_count, span
 from gcm_learn.families.space import family
 from gcm_learn.families.space.solids import UP, axes_along, flight, moved, solid, unit_vector
-from gcm_learn.families.space.stage import Stage, Way
+from gcm_learn.families.space.stage import SpaceStage, SpaceWay
 from gcm_learn.situation import Body, Box, Capsule
 
 
@@ -31,7 +31,7 @@ class StaticClutterSpace(family.SpatialFamily):
     share: Range = span(0.25, 0.8, most=1.0)
     """Places on the way at which they stand, as shares of it."""
 
-    def story(self, rng: np.random.Generator, stage: Stage) -> family.Story:
+    def story(self, rng: np.random.Generator, stage: SpaceStage) -> family.SpaceStory:
         """A ball at rest, and what stands in the way."""
         way = stage.way(rng, self.takes)
         bodies = [self.ball(rng, way.meet)]
@@ -39,7 +39,7 @@ class StaticClutterSpace(family.SpatialFamily):
             bodies.append(
                 family.aimed(rng, stage, way, self.things, self.share, f"{k + 1}", way.takes)
             )
-        return family.Story(way, way.takes, tuple(bodies))
+        return family.SpaceStory(way, way.takes, tuple(bodies))
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ class CrossingSwarmSpace(family.SpatialFamily):
     drift: Range = span(0.0, 0.4)
     """Speed of the target [forearms/s]."""
 
-    def story(self, rng: np.random.Generator, stage: Stage) -> family.Story:
+    def story(self, rng: np.random.Generator, stage: SpaceStage) -> family.SpaceStory:
         """A ball that drifts, and the swarm."""
         way = stage.way(rng, self.takes)
         drift = pick(rng, self.drift) * unit_vector(rng.normal(size=3))
@@ -80,10 +80,15 @@ class CrossingSwarmSpace(family.SpatialFamily):
                 if family.fits(stage, way, way.takes, (member,)):
                     break
             bodies.append(member)
-        return family.Story(way, way.takes, tuple(bodies))
+        return family.SpaceStory(way, way.takes, tuple(bodies))
 
     def _member(
-        self, rng: np.random.Generator, stage: Stage, way: Way, heading: np.ndarray, name: str
+        self,
+        rng: np.random.Generator,
+        stage: SpaceStage,
+        way: SpaceWay,
+        heading: np.ndarray,
+        name: str,
     ) -> Body:
         """Something that crosses the way when the limb is there, or a little later."""
         kind, shape = self.things.shape(rng)
@@ -131,7 +136,7 @@ class BehindPostSpace(family.SpatialFamily):
     others: Counts = counts(0, 2)
     """Number of other bodies, at rest across the way."""
 
-    def story(self, rng: np.random.Generator, stage: Stage) -> family.Story:
+    def story(self, rng: np.random.Generator, stage: SpaceStage) -> family.SpaceStory:
         """The ball, the post, others."""
         way = stage.way(rng, self.takes)
         _, start = stage.limb(way.start)
@@ -149,7 +154,7 @@ class BehindPostSpace(family.SpatialFamily):
         bodies = [target, post]
         for k in range(pick_count(rng, self.others)):
             bodies.append(family.aimed(rng, stage, way, self.things, (0.2, 0.9), f"{k + 1}", when))
-        return family.Story(way, when, tuple(bodies))
+        return family.SpaceStory(way, when, tuple(bodies))
 
     def _post(self, rng: np.random.Generator, start: np.ndarray, meet: np.ndarray) -> Body:
         """A post between the directions of two hands."""

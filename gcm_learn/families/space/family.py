@@ -15,7 +15,7 @@ from gcm_learn.families.layout import TRIES
 from gcm_learn.families.ranges import Range, Ranges, number, pick, pick_angle, span
 from gcm_learn.families.space import solids
 from gcm_learn.families.space.arms import SpatialArmRanges
-from gcm_learn.families.space.stage import CHECKS, Stage, Way, stage_of
+from gcm_learn.families.space.stage import CHECKS, SpaceStage, SpaceWay, stage_of
 from gcm_learn.situation import Body, Box, Capsule, Cylinder, Situation, SolidShape, Sphere
 
 STORIES = 20  # that are drawn at most; the last one is taken then
@@ -27,10 +27,10 @@ INNER, OUTER = 3, 10  # places on the limb at which bodies are aimed: past the h
 FARTHEST, SEARCHED = 5.0, 0.1  # how far a body goes to leave a place, in steps [forearms]
 
 
-class Story(NamedTuple):
+class SpaceStory(NamedTuple):
     """Events of a situation, and one way to catch."""
 
-    way: Way
+    way: SpaceWay
     when: float
     """From when on the end of the way is free [s]."""
     bodies: tuple[Body, ...]
@@ -98,7 +98,7 @@ class SpatialFamily(Family):
         return stage.situation(rng, name, story.way.start, story.bodies, limits)
 
     @abstractmethod
-    def story(self, rng: np.random.Generator, stage: Stage) -> Story:
+    def story(self, rng: np.random.Generator, stage: SpaceStage) -> SpaceStory:
         """Draw one story."""
 
     def ball(
@@ -115,12 +115,14 @@ class SpatialFamily(Family):
         return solids.solid("target", Sphere(size), meet, when=when, velocity=velocity, pull=pull)
 
 
-def through(stage: Stage, radius: float) -> float:
+def through(stage: SpaceStage, radius: float) -> float:
     """Distance of a ball behind a wall at which no hand before the wall catches it [forearms]."""
     return max(radius + stage.grasp - stage.thickness, 0.0) + BEYOND
 
 
-def worth_planning(rng: np.random.Generator, stage: Stage, story: Story, easy: bool) -> bool:
+def worth_planning(
+    rng: np.random.Generator, stage: SpaceStage, story: SpaceStory, easy: bool
+) -> bool:
     """Return whether a way by one posture between is free while the straight one is blocked.
 
     A good guess: bodies are where they are at the start for the first half of the way, and where
@@ -140,7 +142,7 @@ def worth_planning(rng: np.random.Generator, stage: Stage, story: Story, easy: b
     return bool(stage.lines(way.start, vias, bodies, 0.0).any())
 
 
-def fits(stage: Stage, way: Way, when: float, bodies: Sequence[Body]) -> bool:
+def fits(stage: SpaceStage, way: SpaceWay, when: float, bodies: Sequence[Body]) -> bool:
     """Guess well whether a way's start is free of bodies at t = 0, and its end at a time."""
     if stage.room(way.start, bodies) <= 0.0:
         return False
@@ -148,15 +150,15 @@ def fits(stage: Stage, way: Way, when: float, bodies: Sequence[Body]) -> bool:
 
 
 def across(
-    rng: np.random.Generator, stage: Stage, way: Way, share: float
+    rng: np.random.Generator, stage: SpaceStage, way: SpaceWay, share: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """A place that the limb sweeps, and axes there: along the limb, along its motion, across both.
 
     Parameters
     ----------
     rng : numpy.random.Generator
-    stage : Stage
-    way : Way
+    stage : SpaceStage
+    way : SpaceWay
     share : float
         Of the way.
 
@@ -183,8 +185,8 @@ def leaning(rng: np.random.Generator, axes: np.ndarray, angle: float) -> np.ndar
 
 def aimed(
     rng: np.random.Generator,
-    stage: Stage,
-    way: Way,
+    stage: SpaceStage,
+    way: SpaceWay,
     things: Things,
     share: Range,
     name: str,
@@ -206,8 +208,8 @@ def aimed(
 
 
 def leaving(
-    stage: Stage,
-    way: Way,
+    stage: SpaceStage,
+    way: SpaceWay,
     body: Body,
     course: np.ndarray,
     when: float,
@@ -217,8 +219,8 @@ def leaving(
 
     Parameters
     ----------
-    stage : Stage
-    way : Way
+    stage : SpaceStage
+    way : SpaceWay
     body : Body
         Of constant velocity; it is drawn off this course.
     course : (3,) ndarray
@@ -235,7 +237,9 @@ def leaving(
     return moving
 
 
-def sentry(rng: np.random.Generator, stage: Stage, way: Way, radius: Range, when: float) -> Body:
+def sentry(
+    rng: np.random.Generator, stage: SpaceStage, way: SpaceWay, radius: Range, when: float
+) -> Body:
     """A ball or a block where the hand ends its way, which leaves that place at a time."""
     for _ in range(TRIES):
         size = pick(rng, radius)

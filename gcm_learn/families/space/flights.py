@@ -12,7 +12,7 @@ from gcm_learn.families import ranges
 from gcm_learn.families.layout import TRIES
 from gcm_learn.families.space import family
 from gcm_learn.families.space.solids import UP, axes_along, flight, gap, solid, unit_vector
-from gcm_learn.families.space.stage import Stage, Way
+from gcm_learn.families.space.stage import SpaceStage, SpaceWay
 from gcm_learn.situation import Body, Box, Situation
 
 THIN = 0.03  # half the thickness of shelves [forearms]
@@ -33,7 +33,7 @@ class ThrownFamily(family.SpatialFamily):
     """Height of the throw above the meeting [forearms]."""
 
     def thrown_ball(
-        self, rng: np.random.Generator, stage: Stage, meet: np.ndarray, when: float
+        self, rng: np.random.Generator, stage: SpaceStage, meet: np.ndarray, when: float
     ) -> Body:
         """A ball that is at a place at a time, having been thrown at t = 0."""
         angle = ranges.pick(rng, self.heading)
@@ -65,7 +65,7 @@ class OverShelfSpace(ThrownFamily):
     posts: float = ranges.number(0.6)
     """Share of shelves on a wall at that side, round which there is no way."""
 
-    def story(self, rng: np.random.Generator, stage: Stage) -> family.Story:
+    def story(self, rng: np.random.Generator, stage: SpaceStage) -> family.SpaceStory:
         """A thrown ball, a shelf, perhaps a wall at its side."""
         height = ranges.pick(rng, self.height)
         edge = ranges.pick(rng, self.edge) + (
@@ -83,10 +83,10 @@ class OverShelfSpace(ThrownFamily):
             ball = self.thrown_ball(rng, stage, way.meet, when)
             if _keeps_off(ball, shelf, when):
                 break
-        return family.Story(way, when, (ball, *shelf), _lands(ball, height, when))
+        return family.SpaceStory(way, when, (ball, *shelf), _lands(ball, height, when))
 
     def _shelf(
-        self, rng: np.random.Generator, stage: Stage, height: float, edge: float
+        self, rng: np.random.Generator, stage: SpaceStage, height: float, edge: float
     ) -> tuple[Body, ...]:
         """A board, and with it a wall or not."""
         depth, left, right = ranges.pick(rng, self.depth), ranges.pick(rng, self.side), -1.5
@@ -119,7 +119,7 @@ class LateTargetSpace(ThrownFamily):
     share: ranges.Range = ranges.span(0.25, 0.8, most=1.0)
     """Places on the way at which they stand, as shares of it."""
 
-    def story(self, rng: np.random.Generator, stage: Stage) -> family.Story:
+    def story(self, rng: np.random.Generator, stage: SpaceStage) -> family.SpaceStory:
         """A thrown ball, what is in its place, what stands in the way."""
         way, when = stage.way(rng, self.takes), ranges.pick(rng, self.when) * stage.horizon
         bodies = [self.thrown_ball(rng, stage, way.meet, when)]
@@ -130,7 +130,7 @@ class LateTargetSpace(ThrownFamily):
             bodies.append(
                 family.aimed(rng, stage, way, family.Things(), self.share, f"{k + 1}", when)
             )
-        return family.Story(way, when, tuple(bodies))
+        return family.SpaceStory(way, when, tuple(bodies))
 
 
 @dataclass(frozen=True)
@@ -157,7 +157,7 @@ class FallingSpace(family.SpatialFamily):
     """Places of obstacles on the way, as shares of it."""
     things: family.Things = field(default_factory=lambda: family.Things(boards=0.4, bars=0.4))
 
-    def story(self, rng: np.random.Generator, stage: Stage) -> family.Story:
+    def story(self, rng: np.random.Generator, stage: SpaceStage) -> family.SpaceStory:
         """A ball, shelves, what falls."""
         way, when = stage.way(rng, self.takes), ranges.pick(rng, self.when) * stage.horizon
         velocity, pull = self._toss(rng, stage, when)
@@ -169,10 +169,10 @@ class FallingSpace(family.SpatialFamily):
                 if family.fits(stage, way, when, (body,)):
                     break
             bodies.append(body)
-        return family.Story(way, when, tuple(bodies))
+        return family.SpaceStory(way, when, tuple(bodies))
 
     def _toss(
-        self, rng: np.random.Generator, stage: Stage, when: float
+        self, rng: np.random.Generator, stage: SpaceStage, when: float
     ) -> tuple[np.ndarray, np.ndarray]:
         """Velocity (3,) at t = 0 of what falls at a time, and its acceleration."""
         angle, speed = ranges.pick_angle(rng), ranges.pick(rng, self.drift)
@@ -181,7 +181,7 @@ class FallingSpace(family.SpatialFamily):
         return level + (ranges.pick(rng, self.falls) - when) * pull, pull
 
     def _shelf(
-        self, rng: np.random.Generator, stage: Stage, way: Way, when: float, name: str
+        self, rng: np.random.Generator, stage: SpaceStage, way: SpaceWay, when: float, name: str
     ) -> Body:
         """A level board across the way."""
         place, axes = family.across(rng, stage, way, ranges.pick(rng, self.share))
@@ -189,7 +189,7 @@ class FallingSpace(family.SpatialFamily):
         return solid(f"shelf {name}", Box(sizes), place, axes_along(UP, axes[:, 2]))
 
     def _faller(
-        self, rng: np.random.Generator, stage: Stage, way: Way, when: float, name: str
+        self, rng: np.random.Generator, stage: SpaceStage, way: SpaceWay, when: float, name: str
     ) -> Body:
         """Something that falls through the way when the limb is there, or until the ball comes."""
         kind, shape = self.things.shape(rng)
@@ -241,7 +241,7 @@ class SequenceSpace(family.SpatialFamily):
     share: ranges.Range = ranges.span(0.25, 0.8, most=1.0)
     """Places on that way at which they stand, as shares of it."""
 
-    def story(self, rng: np.random.Generator, stage: Stage) -> family.Story:
+    def story(self, rng: np.random.Generator, stage: SpaceStage) -> family.SpaceStory:
         """All balls, each with a place of its own to be caught, and what stands in the way."""
         way = stage.way(rng, self.takes)
         bodies = [self._passing(rng, stage, way, way.takes)]
@@ -253,7 +253,7 @@ class SequenceSpace(family.SpatialFamily):
             bodies.append(
                 family.aimed(rng, stage, way, self.things, self.share, f"{k + 1}", way.takes)
             )
-        return family.Story(way, way.takes, tuple(bodies))
+        return family.SpaceStory(way, way.takes, tuple(bodies))
 
     def sketch(self, rng: np.random.Generator, name: str) -> Situation[SpatialArm]:
         """Draw once, the limb free or not; most of the balls are wanted."""
@@ -261,7 +261,9 @@ class SequenceSpace(family.SpatialFamily):
         catch = "most" if len(drawn.targets) > 1 else "any"
         return replace(drawn, catch=catch, format=SPATIAL.formats[-1])
 
-    def _passing(self, rng: np.random.Generator, stage: Stage, way: Way, when: float) -> Body:
+    def _passing(
+        self, rng: np.random.Generator, stage: SpaceStage, way: SpaceWay, when: float
+    ) -> Body:
         """A ball at the end of a way at a time, in steady flight."""
         velocity = ranges.pick(rng, self.speed) * unit_vector(rng.normal(size=3))
         return self.ball(rng, way.meet, when, velocity)

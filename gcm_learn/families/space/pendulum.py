@@ -9,9 +9,9 @@ import numpy as np
 
 from gcm_learn.families import ranges
 from gcm_learn.families.pendulum import swing_through
-from gcm_learn.families.space.family import SpatialFamily, Story, Things, across, aimed, sentry
+from gcm_learn.families.space.family import SpaceStory, SpatialFamily, Things, across, aimed, sentry
 from gcm_learn.families.space.solids import triple
-from gcm_learn.families.space.stage import Stage
+from gcm_learn.families.space.stage import SpaceStage
 from gcm_learn.situation import Body, Capsule, Pendulum, Sphere
 
 
@@ -52,7 +52,7 @@ class PendulumSpace(SpatialFamily):
     share: ranges.Range = ranges.span(0.25, 0.85, most=1.0)
     """Places of obstacles on the way, as shares of it."""
 
-    def story(self, rng: np.random.Generator, stage: Stage) -> Story:
+    def story(self, rng: np.random.Generator, stage: SpaceStage) -> SpaceStory:
         """A ball on a cord, other pendulums, what is in the way."""
         way, when = stage.way(rng, self.takes), ranges.pick(rng, self.when) * stage.horizon
         bodies = list(
@@ -67,12 +67,12 @@ class PendulumSpace(SpatialFamily):
             bodies.append(sentry(rng, stage, way, self.sentry, gone))
         for k in range(ranges.pick_count(rng, self.boards)):
             bodies.append(aimed(rng, stage, way, self.things, self.share, f"{k + 1}", when))
-        return Story(way, when, tuple(bodies))
+        return SpaceStory(way, when, tuple(bodies))
 
     def _pair(
         self,
         rng: np.random.Generator,
-        stage: Stage,
+        stage: SpaceStage,
         place: np.ndarray,
         when: float,
         radius: float,

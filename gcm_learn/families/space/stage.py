@@ -22,7 +22,7 @@ NECK, HIP = 0.1, -1.7  # heights of the ends of a torso, from the shoulder [fore
 TIGHT = (0.04, 0.12)  # between torso and shoulder, beyond the limb's thickness [forearms]
 
 
-class Way(NamedTuple):
+class SpaceWay(NamedTuple):
     """From a start to a posture that catches, in a straight line of the joints."""
 
     start: np.ndarray
@@ -42,7 +42,7 @@ class Way(NamedTuple):
         return self.start + share * (self.end - self.start)
 
 
-class Stage(NamedTuple):
+class SpaceStage(NamedTuple):
     """An arm with its horizon, in forearms about its shoulder."""
 
     build: Build
@@ -100,7 +100,7 @@ class Stage(NamedTuple):
         takes: Range,
         starts: np.ndarray | None = None,
         ends: np.ndarray | None = None,
-    ) -> Way:
+    ) -> SpaceWay:
         """A way between two of the postures.
 
         Parameters
@@ -119,7 +119,7 @@ class Stage(NamedTuple):
             off = np.where(ends, off, np.inf)
         last = _one(rng, off <= off.min(), len(off))
         _, meet = self.limb(self.joints[last])
-        return Way(first, self.joints[last], float(shares[last]) * self.horizon, meet)
+        return SpaceWay(first, self.joints[last], float(shares[last]) * self.horizon, meet)
 
     def situation(
         self,
@@ -141,12 +141,12 @@ class Stage(NamedTuple):
         return Situation(name, self.horizon, arm, tuple(there))
 
 
-def stage_of(rng: np.random.Generator, build: Build, horizon: float, torso: bool) -> Stage:
+def stage_of(rng: np.random.Generator, build: Build, horizon: float, torso: bool) -> SpaceStage:
     """An arm with random postures, beside a torso or not."""
     low, high = np.array(build.joint_range).T
     joints = low + (high - low) * rng.random((2 * POSTURES, len(low)))
     trunk = (_torso(rng, build),) if torso else ()
-    bare = Stage(build, arm_of(build, joints[0]), horizon, trunk, joints)
+    bare = SpaceStage(build, arm_of(build, joints[0]), horizon, trunk, joints)
     free = joints[bare.room(joints, trunk) > 0.0] if torso else joints
     return bare._replace(joints=free[:POSTURES])
 

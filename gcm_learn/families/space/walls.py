@@ -11,8 +11,8 @@ import numpy as np
 
 from gcm_learn.families.ranges import Range, number, pick, pick_sign, span
 from gcm_learn.families.space import solids
-from gcm_learn.families.space.family import SpatialFamily, Story, leaving, through
-from gcm_learn.families.space.stage import Stage, Way
+from gcm_learn.families.space.family import SpaceStory, SpatialFamily, leaving, through
+from gcm_learn.families.space.stage import SpaceStage, SpaceWay
 from gcm_learn.situation import Body, Box, Pendulum
 
 EXTENT = 2.5  # how far a wall goes on beyond its opening [forearms]
@@ -70,7 +70,7 @@ class WallFamily(SpatialFamily):
     left: Range = span(0.6, 1.4, 0.1)
     """Time for which it is open before the horizon, in durations of the straight way."""
 
-    def story(self, rng: np.random.Generator, stage: Stage) -> Story:
+    def story(self, rng: np.random.Generator, stage: SpaceStage) -> SpaceStory:
         """A ball behind a wall."""
         radius = pick(rng, self.target)
         way, wall = self._wall(rng, stage, through(stage, radius))
@@ -78,15 +78,17 @@ class WallFamily(SpatialFamily):
         shut, when = self.shut(rng, stage, wall, way, opens)
         drift = pick(rng, self.drift) * pick_sign(rng) * wall.axes[:, 0]
         target = self.ball(rng, way.meet, when, drift, radius=radius)
-        return Story(way, when, (target, *wall.boards(), *shut))
+        return SpaceStory(way, when, (target, *wall.boards(), *shut))
 
     @abstractmethod
     def shut(
-        self, rng: np.random.Generator, stage: Stage, wall: Wall, way: Way, opens: float
+        self, rng: np.random.Generator, stage: SpaceStage, wall: Wall, way: SpaceWay, opens: float
     ) -> tuple[tuple[Body, ...], float]:
         """Return the bodies that shut the opening, and when the limb can be in it [s]."""
 
-    def _wall(self, rng: np.random.Generator, stage: Stage, past: float) -> tuple[Way, Wall]:
+    def _wall(
+        self, rng: np.random.Generator, stage: SpaceStage, past: float
+    ) -> tuple[SpaceWay, Wall]:
         """A wall, a start before it and an end `past` it, whose forearm is in the opening."""
         heading, slope = pick(rng, self.heading), pick(rng, self.slope)
         level = np.array([math.cos(heading), math.sin(heading), 0.0])
@@ -128,7 +130,7 @@ class WindowSpace(WallFamily):
     """Instant at which a window is closed, in durations of the straight way."""
 
     def shut(
-        self, rng: np.random.Generator, stage: Stage, wall: Wall, way: Way, opens: float
+        self, rng: np.random.Generator, stage: SpaceStage, wall: Wall, way: SpaceWay, opens: float
     ) -> tuple[tuple[Body, ...], float]:
         """A board that slides sideways, or up and down, on the far side of the wall."""
         kind = rng.random()
@@ -154,7 +156,7 @@ class DoorSpace(WallFamily):
     summary = "a ball behind a door that swings open, away from the arm"
 
     def shut(
-        self, rng: np.random.Generator, stage: Stage, wall: Wall, way: Way, opens: float
+        self, rng: np.random.Generator, stage: SpaceStage, wall: Wall, way: SpaceWay, opens: float
     ) -> tuple[tuple[Body, ...], float]:
         """A board on a hinge at one side of the doorway, slow at first, as damped springs are.
 

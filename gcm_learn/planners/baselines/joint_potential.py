@@ -16,7 +16,7 @@ from gcm_learn.collision.postures import distance_at
 from gcm_learn.compiled import njit
 from gcm_learn.motion import Failure
 from gcm_learn.motion.joint_interception import fastest_hand, met_at
-from gcm_learn.planners.completion import SpatialProblem, checked
+from gcm_learn.planners.completion import JointProblem, checked
 from gcm_learn.planners.joints.moves import time_of
 from gcm_learn.planners.joints.pull import met_from
 from gcm_learn.planners.joints.straight import attempt_along
@@ -114,7 +114,7 @@ def descend_in_space(study, field, points):
     return -1
 
 
-def potential_plan(problem: SpatialProblem, influence: float, gain: float) -> Plan:
+def potential_plan(problem: JointProblem, influence: float, gain: float) -> Plan:
     """Roll the field out in the known world and verify what comes of it."""
     study = problem.study
     points = np.empty((STEPS + 1, study.goal.size))

@@ -23,7 +23,7 @@ from gcm_learn.motion import Failure
 from gcm_learn.motion.interception import first_interception
 from gcm_learn.motion.verification import HOLE_MARGIN
 from gcm_learn.planners.baselines.joint_potential import potential_plan
-from gcm_learn.planners.completion import Problem, SpatialProblem, checked, finish
+from gcm_learn.planners.completion import JointProblem, Problem, checked, finish
 from gcm_learn.planners.plan import Plan
 from gcm_learn.scene.bodies import HAND, PART, poses_at
 from gcm_learn.scene.shapes.choice import gap_in_plane
@@ -35,7 +35,7 @@ NEAREST = 1e-3  # the push grows no more below this distance [forearm lengths]
 _PROBE = 1e-5  # finite difference of the potential [forearm lengths]
 
 
-class Field(NamedTuple):
+class Repulsion(NamedTuple):
     """The repulsive potential; the attractive force is 1."""
 
     influence: float  # distance d0 within which obstacles push [forearm lengths]
@@ -63,7 +63,7 @@ def descend_field(scene, rules, field, points):
 
     Parameters
     ----------
-    scene, rules, field : Scene, Rules, Field
+    scene, rules, field : Scene, Rules, Repulsion
     points : (m, 2) ndarray
         Filled with the hand after every step of horizon / (m - 1), its start included.
 
@@ -128,7 +128,7 @@ class PotentialPlanner:
         return _BY_KIND.of(situation)(self, situation)
 
     def _in_space(self, situation: AnySituation) -> Plan:
-        problem = SpatialProblem(situation, self.name)
+        problem = JointProblem(situation, self.name)
         return problem.early_answer() or potential_plan(problem, self.influence, self.gain)
 
     def _in_plane(self, situation: AnySituation) -> Plan:
@@ -140,7 +140,7 @@ class PotentialPlanner:
         steps = max(int(np.ceil(arm.max_hand_speed * horizon / STEP)), 1)
         hand = np.empty((min(steps, MOST_STEPS) + 1, 2))
         rules = problem.rules._replace(speed=arm.max_hand_speed * (1.0 - 1e-8))
-        count = descend_field(problem.scene, rules, Field(self.influence, self.gain), hand)
+        count = descend_field(problem.scene, rules, Repulsion(self.influence, self.gain), hand)
         if count < 0:
             return problem.answer(Failure.NO_FIELD_LINE)
         time = np.linspace(0.0, horizon, len(hand))[:count]

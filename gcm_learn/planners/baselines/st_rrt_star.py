@@ -241,6 +241,6 @@ def _hole(inner: float, nearest: float) -> float:
 
 _BY_KIND: ByKind[tuple[Any, Any, Any]] = ByKind(
     {PLANAR: (completion.Problem, task_of, _finished)},
-    default=(completion.SpatialProblem, task_in_space, ways_along),
+    default=(completion.JointProblem, task_in_space, ways_along),
     who="planner 'st-rrt-star'",
 )

@@ -18,7 +18,7 @@ from gcm_learn.collision.postures import distance_at, gap_at
 from gcm_learn.compiled import njit
 from gcm_learn.errors import ArmKindError
 from gcm_learn.motion.joint_interception import target_room
-from gcm_learn.planners.completion import Attempt, SpatialProblem
+from gcm_learn.planners.completion import Attempt, JointProblem
 from gcm_learn.planners.joints.moves import Study, time_of, timed_move_is_free, turning_time
 from gcm_learn.planners.joints.pull import box, pulled
 from gcm_learn.planners.joints.straight import attempt_along, soonest_straight
@@ -229,9 +229,7 @@ class JointTask:
         return (float(time), *(q / self.scene.limits.joint_speed).tolist())
 
 
-def task_in_space(
-    problem: SpatialProblem, seed: int, budget_ms: float, iterations: int
-) -> JointTask:
+def task_in_space(problem: JointProblem, seed: int, budget_ms: float, iterations: int) -> JointTask:
     """Return the task of the search."""
     study = problem.study
     drawing = _DRAWINGS.of(problem.situation)
@@ -253,7 +251,7 @@ def near(task: Any, postures: Sequence[Sequence[float]]) -> JointTask:
     return replace(task, given=np.array(postures, dtype=float).reshape(-1, len(task.start)))
 
 
-def ways_along(problem: SpatialProblem, paths: list[np.ndarray]) -> list[Attempt]:
+def ways_along(problem: JointProblem, paths: list[np.ndarray]) -> list[Attempt]:
     """Paths between states (n, dof + 1), the earliest catch first; targets may cut them short."""
     study, limb = problem.study, problem.scene.limb
     body = int(np.flatnonzero(problem.bodies.rows[:, PART] == HAND)[0])

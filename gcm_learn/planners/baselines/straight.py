@@ -10,7 +10,7 @@ import numpy as np
 
 from gcm_learn import motion
 from gcm_learn.arms import PLANAR, ByKind
-from gcm_learn.planners.completion import Problem, SpatialProblem, checked, finish, straight_plan
+from gcm_learn.planners.completion import JointProblem, Problem, checked, finish, straight_plan
 from gcm_learn.planners.joints.straight import any_straight, earliest_straight
 from gcm_learn.planners.plan import Plan, any_arm
 from gcm_learn.situation import AnySituation
@@ -36,7 +36,7 @@ class StraightPlanner:
 
 
 _BY_KIND: ByKind[tuple[Callable[..., Any], Callable[[Any], Plan]]] = ByKind(
-    {PLANAR: (Problem, straight_plan)}, default=(SpatialProblem, earliest_straight)
+    {PLANAR: (Problem, straight_plan)}, default=(JointProblem, earliest_straight)
 )
 
 
@@ -63,7 +63,7 @@ class StraightWaitPlanner:
         return _WAITING.of(situation)(self, situation)
 
     def _in_joints(self, situation: AnySituation) -> Plan:
-        problem = SpatialProblem(situation, self.name)
+        problem = JointProblem(situation, self.name)
         answer = problem.early_answer()
         if answer is not None:
             return answer

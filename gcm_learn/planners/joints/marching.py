@@ -11,7 +11,7 @@ import numpy as np
 from gcm_learn.compiled import njit
 from gcm_learn.maps import IN_SPACE, CognitiveMap, Interception, build_map, chain_to
 from gcm_learn.motion import Failure, Movement, Reason
-from gcm_learn.planners.completion import Attempt, SpatialProblem, judged
+from gcm_learn.planners.completion import Attempt, JointProblem, judged
 from gcm_learn.planners.joints import ways
 from gcm_learn.planners.joints.goals import reach
 from gcm_learn.planners.joints.moves import Study, time_of
@@ -46,11 +46,11 @@ class HandMarching:
 
     def plan(self, situation: AnySituation) -> Plan:
         """Answer a situation."""
-        problem = SpatialProblem(situation, self.name)
+        problem = JointProblem(situation, self.name)
         answer = problem.early_answer() or at_once(problem)
         return self._search(problem) if answer is None else answer
 
-    def _search(self, problem: SpatialProblem) -> Plan:
+    def _search(self, problem: JointProblem) -> Plan:
         situation, study, scene = problem.situation, problem.study, kept(problem)
         reason: Reason | None = None
         for n in self.cells:
@@ -64,14 +64,14 @@ class HandMarching:
         return problem.answer(reason or Failure.NO_INTERCEPTION, found)
 
 
-def kept(problem: SpatialProblem) -> Scene:
+def kept(problem: JointProblem) -> Scene:
     """The scene with a limb so thick that what it keeps is surely verified."""
     scene = problem.scene
     return scene._replace(limb=scene.limb._replace(thickness=problem.rules.touch))
 
 
 def followed(
-    problem: SpatialProblem, study: Study, found: CognitiveMap
+    problem: JointProblem, study: Study, found: CognitiveMap
 ) -> tuple[Plan | None, Reason | None]:
     """The way to a map's interception, made shorter and ended on the target, or why it fails.
 
@@ -102,7 +102,7 @@ def followed(
     return plan, verdict.reason
 
 
-def meetings(problem: SpatialProblem, found: CognitiveMap) -> Iterator[CognitiveMap]:
+def meetings(problem: JointProblem, found: CognitiveMap) -> Iterator[CognitiveMap]:
     """Yield a map with its interception, then with others in order of time, CONTACTS in all."""
     if found.interception is None:
         return
@@ -118,7 +118,7 @@ def meetings(problem: SpatialProblem, found: CognitiveMap) -> Iterator[Cognitive
 
 
 @njit(_nrt=False)
-def lay(study: Study, joints: np.ndarray, times: np.ndarray, way: ways.Way) -> bool:
+def lay(study: Study, joints: np.ndarray, times: np.ndarray, way: ways.JointWay) -> bool:
     """Write the way through joints (m, dof), wanted at times (m,), as soon as limits allow.
 
     If time is left, the limb moves more slowly.  Returns whether it comes before the horizon.
@@ -133,7 +133,9 @@ def lay(study: Study, joints: np.ndarray, times: np.ndarray, way: ways.Way) -> b
 
 
 @njit(_nrt=False)
-def end(study: Study, way: ways.Way, last: int, body: int, wanted: float, later: float) -> bool:
+def end(
+    study: Study, way: ways.JointWay, last: int, body: int, wanted: float, later: float
+) -> bool:
     """Let a way end on a body by a straight move from one of its postures.
 
     Parameters

@@ -6,7 +6,7 @@ import numpy as np
 
 from gcm_learn import seeding
 from gcm_learn.compiled import njit
-from gcm_learn.planners.completion import SpatialProblem
+from gcm_learn.planners.completion import JointProblem
 from gcm_learn.planners.joints.pull import box, pulled
 from gcm_learn.planners.stages import stages
 from gcm_learn.situation import AnySituation
@@ -23,7 +23,7 @@ def soonest(situation: AnySituation) -> dict[str, float]:
     dict of str to float
         Times of the targets that can be met at all [s].
     """
-    study = SpatialProblem(situation, "soonest").study
+    study = JointProblem(situation, "soonest").study
     shares, parts = np.arange(1, INSTANTS + 1), stages(situation, situation.horizon)
     times = np.unique([start + (end - start) * shares / INSTANTS for start, end in parts])
     goals = seeding.rng(0).random((times.size, DRAWS, study.goal.size))

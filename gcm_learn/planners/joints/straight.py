@@ -12,7 +12,7 @@ from gcm_learn.arms.limbs import hand_of, place, postures_at, reach_of
 from gcm_learn.arms.swivels import BRANCHES
 from gcm_learn.compiled import njit
 from gcm_learn.motion import Failure, Movement, joint_interception
-from gcm_learn.planners.completion import Attempt, SpatialProblem, checked
+from gcm_learn.planners.completion import Attempt, JointProblem, checked
 from gcm_learn.planners.joints.goals import PLACES, place_on
 from gcm_learn.planners.joints.moves import Study, rest_is_free, time_of, timed_move_is_free
 from gcm_learn.planners.joints.pull import met_from
@@ -116,7 +116,7 @@ def straight_is_free(study, p, begin, end, until):
     return timed_move_is_free(study, start, begin, p, end, pieces)
 
 
-def at_once(problem: SpatialProblem) -> Plan | None:
+def at_once(problem: JointProblem) -> Plan | None:
     """The catch of a target that is there at t = 0."""
     scene, poses = problem.scene, np.zeros((len(problem.situation.bodies), 12))
     body = joint_interception.met_at(scene, scene.limb.start, 0.0, problem.rules.catch, poses)
@@ -128,7 +128,7 @@ def at_once(problem: SpatialProblem) -> Plan | None:
     return checked(problem, Attempt(rest, int(body)))[0]
 
 
-def earliest_straight(problem: SpatialProblem) -> Plan:
+def earliest_straight(problem: JointProblem) -> Plan:
     """Go straight to the earliest interception, in any posture in which it can be met."""
     plan, study = at_once(problem), problem.study
     if plan is not None:
@@ -171,13 +171,13 @@ def _first_goals(study, goals, instants):
 
 
 def any_straight(
-    problem: SpatialProblem, instants: int = INSTANTS, shares: tuple[float, ...] = ()
+    problem: JointProblem, instants: int = INSTANTS, shares: tuple[float, ...] = ()
 ) -> Plan:
     """The first straight line that catches, evenly fast or with waits at its ends.
 
     Parameters
     ----------
-    problem : SpatialProblem
+    problem : JointProblem
     instants : int
         Of the horizon at which interceptions are tried, in all postures.
     shares : tuple of float
@@ -222,7 +222,7 @@ def _room_for_goals(study: Study) -> Goals:
 
 
 def _attempt(
-    problem: SpatialProblem, study: Study, goals: Goals, k: int, begin: float, end: float
+    problem: JointProblem, study: Study, goals: Goals, k: int, begin: float, end: float
 ) -> Attempt:
     """The move to goal k from `begin` to `end` [s], with waits at both ends."""
     start, goal = problem.scene.limb.start, goals.joints[k]
@@ -231,7 +231,7 @@ def _attempt(
 
 
 def attempt_along(
-    problem: SpatialProblem, study: Study, time: np.ndarray, joints: np.ndarray, body: int
+    problem: JointProblem, study: Study, time: np.ndarray, joints: np.ndarray, body: int
 ) -> Attempt:
     """Straight legs between postures, up to the first target within reach.
 
@@ -259,7 +259,7 @@ def attempt_along(
 
 
 def _cut(
-    problem: SpatialProblem, study: Study, time: np.ndarray, joints: np.ndarray, body: int
+    problem: JointProblem, study: Study, time: np.ndarray, joints: np.ndarray, body: int
 ) -> Attempt:
     """A timed path (n,), (n, dof), up to the first target within reach."""
     for k in range(len(time) - 1):

@@ -11,14 +11,14 @@ import numpy as np
 
 from gcm_learn.collision import WORK
 from gcm_learn.motion import Failure, Movement
-from gcm_learn.planners.completion import Attempt, SpatialProblem, checked
+from gcm_learn.planners.completion import Attempt, JointProblem, checked
 from gcm_learn.planners.joints.meeting_trees import search_trees
 from gcm_learn.planners.joints.ramped_ways import hasten_ramped, ramped_samples, shorten_ramped
 from gcm_learn.planners.joints.still_trees import GOALS, search_still, straighten, timed
 from gcm_learn.planners.joints.straight import at_once, earliest_straight
 from gcm_learn.planners.joints.timely_trees import search_timely
 from gcm_learn.planners.joints.trees import Trees, new_trees, roomier
-from gcm_learn.planners.joints.ways import Way, hasten, new_way, samples_of, shorten
+from gcm_learn.planners.joints.ways import JointWay, hasten, new_way, samples_of, shorten
 from gcm_learn.planners.plan import Deadline, Plan, deadline_of, end_of, in_joints
 from gcm_learn.scene import TOP_SPEED
 from gcm_learn.situation import AnySituation
@@ -39,7 +39,7 @@ TURNS = 16
 """One of so many turns draws a goal each round; the others are for trees in steps."""
 ROOM = 1000
 """Nodes that new trees can hold."""
-Begin = Callable[[SpatialProblem, Trees, float, Way], bool]
+Begin = Callable[[JointProblem, Trees, float, JointWay], bool]
 """Plants nodes into new trees, given the last instant of a catch [s]; the way is written if they
 meet."""
 
@@ -83,7 +83,7 @@ class TreeSearch:
             See `Anytime`.  With it new trees look for an earlier catch until then.
         """
         end = end_of(situation, bound)
-        problem: Any = SpatialProblem(situation, self.name, deadline=deadline_of(deadline))
+        problem: Any = JointProblem(situation, self.name, deadline=deadline_of(deadline))
         early: Plan | None = problem.early_answer(keeps_acceleration=True)
         if early is not None:
             return early
@@ -103,7 +103,7 @@ class TreeSearch:
             plan = self._sooner(problem, plan)
         return replace(plan, planning_ms=problem.elapsed_ms, nodes=problem.nodes)
 
-    def _sooner(self, problem: SpatialProblem, plan: Plan) -> Plan:
+    def _sooner(self, problem: JointProblem, plan: Plan) -> Plan:
         """Look for earlier catches than a plan's, until the deadline or in patience."""
         rounds, tries = (self.patience, 1) if problem.deadline is None else (self.rounds, VAIN)
         seed, vain = self.seed, 0
@@ -115,7 +115,7 @@ class TreeSearch:
             plan, vain = (sooner, 0) if sooner.caught else (plan, vain + 1)
         return plan
 
-    def _before(self, problem: SpatialProblem, end: float, seed: int, rounds: int) -> Plan:
+    def _before(self, problem: JointProblem, end: float, seed: int, rounds: int) -> Plan:
         """A catch until `end` [s], by trees that are grown from new."""
         study, way = problem.study, new_way(problem.study.goal.size)
         obstacles = study.desk.obstacles.size > 0 and not problem.accelerates
@@ -154,7 +154,7 @@ def search_in_space(effort: float = 1.0) -> TreeSearch:
     return TreeSearch(rounds=rounds, patience=patience)
 
 
-def _stilled(problem: SpatialProblem, trees: Trees, way: Way, end: float) -> Plan | None:
+def _stilled(problem: JointProblem, trees: Trees, way: JointWay, end: float) -> Plan | None:
     """The way of a world at rest as a plan, drawn straight if it ends later than `end` [s]."""
     study, short = problem.study, new_way(problem.study.goal.size)
     timed(study, way)
@@ -164,7 +164,7 @@ def _stilled(problem: SpatialProblem, trees: Trees, way: Way, end: float) -> Pla
     return _finished(problem, trees.moves, short, end)
 
 
-def _finished(problem: SpatialProblem, moves: Any, way: Way, end: float) -> Plan | None:
+def _finished(problem: JointProblem, moves: Any, way: JointWay, end: float) -> Plan | None:
     """The way as a plan without needless postures, its catch made earlier.
 
     None if it is broken, or later than `end` [s].

@@ -15,7 +15,7 @@ from gcm_learn.planners.joints.goals import earlier, reach
 MOST = 512  # postures of a way
 
 
-class Way(NamedTuple):
+class JointWay(NamedTuple):
     """A movement that ends in a catch; between postures the joints go straight."""
 
     joints: np.ndarray  # (MOST, n) [rad]
@@ -27,9 +27,9 @@ class Way(NamedTuple):
     size: np.ndarray  # (1,): how many postures there are
 
 
-def new_way(dof: int) -> Way:
+def new_way(dof: int) -> JointWay:
     """Return a way without postures."""
-    return Way(
+    return JointWay(
         np.zeros((MOST, dof)),
         np.zeros(MOST),
         np.zeros(MOST),

@@ -53,7 +53,7 @@ class Regime(NamedTuple):
     margin: float  # cells need no look that much before the hand can be there [s]
 
 
-class Front(NamedTuple):
+class ReachedSet(NamedTuple):
     """A reachable set and how it came about."""
 
     alive: np.ndarray  # (m,) bool: in the set now
@@ -74,7 +74,7 @@ class Front(NamedTuple):
     total: np.ndarray  # (1,) int: number of nodes
 
 
-class Workspace(NamedTuple):
+class SetBuffers(NamedTuple):
     """Room to work."""
 
     look: np.ndarray  # (m, b): when a cell or corner has to be checked for an obstacle [s]

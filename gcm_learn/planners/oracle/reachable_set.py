@@ -14,7 +14,7 @@ from gcm_learn.charts import SMALLEST_LATTICE, Lattice
 from gcm_learn.collision import first_touch
 from gcm_learn.planners.completion import Problem, hole_of
 from gcm_learn.planners.oracle import kernels
-from gcm_learn.planners.oracle.kernels import Front, Grid, Regime, Workspace
+from gcm_learn.planners.oracle.kernels import Grid, ReachedSet, Regime, SetBuffers
 from gcm_learn.planners.oracle.moves import MOVES, PAST, RIM, STRETCH
 from gcm_learn.scene import LIMB, PART
 
@@ -79,7 +79,7 @@ class ReachableSet:
         self.front = _front(arm, grid, h, exact, useful)
         self.grid = _part(grid, self.front.away <= useful + 1e-9)
         size, count = len(grid.centre), len(bodies.rows)
-        self.work = Workspace(
+        self.work = SetBuffers(
             look=np.full((size, count), -1.0),
             touched=np.zeros(size, dtype=np.uint64),
             poses=np.zeros((count, 12)),
@@ -206,7 +206,7 @@ def _start_until(problem: Problem, touch: float) -> float:
     return until
 
 
-def _front(arm: Arm, grid: Grid, h: float, exact: bool, useful: np.ndarray) -> Front:
+def _front(arm: Arm, grid: Grid, h: float, exact: bool, useful: np.ndarray) -> ReachedSet:
     """The set before the first step: empty, with the cells around the hand listed."""
     size = len(grid.centre)
     offset = np.abs(grid.centre[:, :2] - arm.hand)
@@ -221,7 +221,7 @@ def _front(arm: Arm, grid: Grid, h: float, exact: bool, useful: np.ndarray) -> F
     dear = (cost / cost.min(axis=0)).max(axis=1) if len(cost) > 1 else 1.0
     near = np.where(counts & (distance <= START_CELLS[exact] * h), away * dear, np.inf)
     nodes = len(grid.cells) + 64
-    return Front(
+    return ReachedSet(
         alive=np.zeros(size, dtype=bool),
         blocked=np.zeros(size, dtype=bool),
         past=np.zeros((1 if exact else PAST, size), dtype=bool),

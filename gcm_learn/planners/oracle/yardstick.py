@@ -22,7 +22,7 @@ from gcm_learn.motion import Failure
 from gcm_learn.planners.baselines.potential import PotentialPlanner
 from gcm_learn.planners.baselines.st_rrt_star import STRRTStarPlanner
 from gcm_learn.planners.baselines.straight import StraightPlanner, StraightWaitPlanner
-from gcm_learn.planners.completion import SpatialProblem, checked
+from gcm_learn.planners.completion import JointProblem, checked
 from gcm_learn.planners.joints.marching import HandMarching
 from gcm_learn.planners.joints.moves import Study, study_of, time_of
 from gcm_learn.planners.joints.straight import any_straight, attempt_along
@@ -99,7 +99,7 @@ def yardstick(
         Whether to go on when a catch is known. If not, no method is asked that could only find an
         earlier one.
     """
-    problem = SpatialProblem(situation, "oracle")
+    problem = JointProblem(situation, "oracle")
     early = problem.early_answer(keeps_acceleration=True)
     if early is not None:
         return Yardstick(math.inf, {"opening": early})
@@ -123,7 +123,7 @@ def yardstick(
 
 def oracle_in_space(situation: Situation[SpatialArm], trees_ms: float = TREES_MS) -> SpatialPlan:
     """Return the plan behind the upper bound, or the reason for its absence."""
-    problem = SpatialProblem(situation, "oracle")
+    problem = JointProblem(situation, "oracle")
     plan = yardstick(situation, trees_ms).plan
     return replace(plan, planner="oracle", planning_ms=problem.elapsed_ms)
 
@@ -134,7 +134,7 @@ def _methods(
     """All methods at their budgets, the cheapest first."""
 
     def straight() -> SpatialPlan:
-        problem = SpatialProblem(situation, "oracle")
+        problem = JointProblem(situation, "oracle")
         return problem.early_answer() or any_straight(problem, instants=96)
 
     yield "straight", lambda: StraightPlanner().plan(situation)
@@ -155,7 +155,7 @@ def _methods(
 
 
 def without_waits(
-    problem: SpatialProblem, plan: SpatialPlan, study: Study | None = None
+    problem: JointProblem, plan: SpatialPlan, study: Study | None = None
 ) -> SpatialPlan | None:
     """A catch without its rests, all legs but the last as fast as can be, if it still is one.
 

@@ -274,7 +274,7 @@ def map_faces(
     return things
 
 
-class HandSpace:
+class HandBall:
     """Hand-space as a ball in a film: extended obstacles, the front, and at last the map.
 
     Parameters

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 from gcm_learn.arms import PLANAR, ByKind
 from gcm_learn.plots.figures.diagram import Diagram, MissedDiagram
-from gcm_learn.plots.figures.stage import MissedStage, Stage
+from gcm_learn.plots.figures.stage import JointPictures, MissedStage
 
 
 class Drawn(NamedTuple):
@@ -22,10 +22,10 @@ class Drawn(NamedTuple):
 
 DRAWN = ByKind(
     {PLANAR: Drawn(Diagram, MissedDiagram, (".gif",))},
-    default=Drawn(Stage, MissedStage, (".gif", ".html")),
+    default=Drawn(JointPictures, MissedStage, (".gif", ".html")),
 )
 
 
 def pictures_of(situation: Any, plan: Any = None) -> Any:
-    """Return a `Diagram` or a `Stage` of a situation and a plan, by the kind of its arm."""
+    """Return a `Diagram` or a `JointPictures` of a situation and a plan, by the kind of its arm."""
     return DRAWN.of(situation).pictures(situation, plan)

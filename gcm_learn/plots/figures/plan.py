@@ -63,7 +63,7 @@ def _headline(plan: Plan, waiting: float) -> str:
 
 
 @dataclass(frozen=True)
-class Failure:
+class MissedCatch:
     """A situation, and an entrant that did not catch in it."""
 
     name: str
@@ -95,7 +95,7 @@ class Failure:
         return float(self.pictures.resting_until if shown is None else shown.duration)
 
 
-def failure_figure(failure: Failure) -> Figure:
+def failure_figure(failure: MissedCatch) -> Figure:
     """Draw a failure where it ended."""
     figure = style.new_figure(*SIZE)
     ax = figure.subplots()

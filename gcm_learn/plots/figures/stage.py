@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from gcm_learn import rendering
 from gcm_learn.arms import hands_along
 from gcm_learn.plots.figures import style
-from gcm_learn.plots.figures.hand_ball import HandSpace, ball_window, fills_ball
+from gcm_learn.plots.figures.hand_ball import HandBall, ball_window, fills_ball
 from gcm_learn.plots.figures.scenery import (
     Scenery,
     draw_courses,
@@ -37,7 +37,7 @@ BEFORE = 0.25  # alpha of bodies where they were at t = 0
 OTHER = 0.7  # alpha of the arm that catches
 
 
-class Stage:
+class JointPictures:
     """Pictures of a situation with an arm that moves in its joints, and of a plan of it.
 
     Parameters
@@ -69,7 +69,7 @@ class Stage:
             for view, name in zip((self.view, rendering.from_above(self.view)), SIDES, strict=True)
         ]
         if self.map is not None:
-            hands = HandSpace(self.situation, self.map, self.trajectory, self.view)
+            hands = HandBall(self.situation, self.map, self.trajectory, self.view)
             panels.append(("hand-space: cognitive map, cut open", hands.show_map))
         return panels
 
@@ -134,7 +134,7 @@ class Stage:
 
     def _hand_scene(self, level: Scenery, pixels: int) -> Scene:
         assert self.map is not None
-        hands = HandSpace(self.situation, self.map, self.trajectory, level.view)
+        hands = HandBall(self.situation, self.map, self.trajectory, level.view)
         caught, kappa = self.trajectory is not None, self.map.kappa
 
         def show(ax: Axes, t: float, turn: float) -> None:

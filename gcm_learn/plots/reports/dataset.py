@@ -11,7 +11,15 @@ from matplotlib.axes import Axes
 
 from gcm_learn.plots.figures import style
 from gcm_learn.plots.figures.kinds import pictures_of
-from gcm_learn.plots.reports.page import Picture, Section, Table, picture_of, render, section, words
+from gcm_learn.plots.reports.page import (
+    PageTable,
+    Picture,
+    Section,
+    picture_of,
+    render,
+    section,
+    words,
+)
 
 if TYPE_CHECKING:  # who has no pyarrow has no datasets, but all other pictures
     from gcm_learn.dataset import Dataset, Manifest, Record
@@ -101,7 +109,7 @@ def _numbers(records: Dataset) -> Section:
     shares = ["all", *(f"{share:.1%}" for share in manifest["shares"].values())]
     rows = [[*_family_row(name, row)] for name, row in manifest["families"].items()]
     columns = ("family", *manifest["shares"])
-    listed = [Table(columns, [*rows, shares])]
+    listed = [PageTable(columns, [*rows, shares])]
     return section(WORDS, "numbers", listed, told={"sentence": _sentence(manifest)})
 
 

@@ -27,9 +27,9 @@ from gcm_learn.plots.figures.sheets import mapped
 from gcm_learn.plots.figures.workspace import draw_movement
 from gcm_learn.plots.reports.memory import write_memory_page
 from gcm_learn.plots.reports.page import (
+    PageTable,
     Picture,
     Section,
-    Table,
     number,
     picture_of,
     render,
@@ -119,7 +119,7 @@ def _scenes(out: Path, plans: dict[str, dict[str, Plan]], progress: Progress) ->
         drawn = picture_of(draw_figure(name), out / f"{name}.png", WORDS["captions"][name])
         pictures.append(replace(drawn, width=SMALL))
     rows = [_row(name, found) for name, found in plans.items()]
-    return section(WORDS, "scenes", [Table(INSTANTS, rows)], pictures)
+    return section(WORDS, "scenes", [PageTable(INSTANTS, rows)], pictures)
 
 
 def _row(name: str, plans: dict[str, Plan]) -> list[str]:
@@ -179,7 +179,7 @@ def _random(seed: int, count: int) -> Section:
     situations = [random_planar(rng(seed, k)) for k in range(count)]
     rows = [_fared(name, situations) for name in PLANNERS]
     told = {"count": count, "seed": seed}
-    return section(WORDS, "random", [Table(MEASURES, rows)], told=told)
+    return section(WORDS, "random", [PageTable(MEASURES, rows)], told=told)
 
 
 def _fared(name: str, situations: Sequence[Any]) -> list[str]:

@@ -17,7 +17,7 @@ from gcm_learn.plots.figures.film import animate
 from gcm_learn.plots.figures.hand_space import draw_hand_space
 from gcm_learn.plots.figures.maps import draw_snapshot, plot_map
 from gcm_learn.plots.figures.sheets import mapped, sheets_figure
-from gcm_learn.plots.figures.stage import Stage
+from gcm_learn.plots.figures.stage import JointPictures
 from gcm_learn.plots.reports.solid_documents import save_light, write_solid_gallery
 from gcm_learn.scene import outline
 from gcm_learn.situation import Situation
@@ -170,7 +170,7 @@ def chains_figure(seed: int = 100, columns: int = 4) -> Figure:
     names = family_names("chain")
     figure, panels = style.panel_grid(len(names), columns, (3.0, 2.6))
     for k, (ax, name) in enumerate(zip(panels, names, strict=True)):
-        Stage(*first_case(name, seed + k, "search")).draw_movement(ax, PIXELS)
+        JointPictures(*first_case(name, seed + k, "search")).draw_movement(ax, PIXELS)
         style.title(ax, name)
     return figure
 

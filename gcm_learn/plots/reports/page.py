@@ -32,7 +32,7 @@ class Picture:
 
 
 @dataclass(frozen=True)
-class Table:
+class PageTable:
     """Column names and rows of text."""
 
     columns: Sequence[str]
@@ -51,7 +51,7 @@ class Section:
     anchor: str
     heading: str
     paragraphs: Sequence[str]
-    tables: Sequence[Table] = field(default=())
+    tables: Sequence[PageTable] = field(default=())
     pictures: Sequence[Picture] = field(default=())
 
 
@@ -86,7 +86,7 @@ def render(title: str, lead: Sequence[str], opening: Picture, key: Sequence[tupl
 def section(
     told_of: Mapping[str, Any],
     anchor: str,
-    tables: Sequence[Table] = (),
+    tables: Sequence[PageTable] = (),
     pictures: Sequence[Picture] = (),
     *,
     text: Sequence[str] | None = None,

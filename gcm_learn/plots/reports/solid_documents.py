@@ -18,7 +18,7 @@ from gcm_learn.planners import Plan, solve
 from gcm_learn.plots.figures import style
 from gcm_learn.plots.figures.execution import animate_execution
 from gcm_learn.plots.figures.film import animate, palette_of
-from gcm_learn.plots.figures.hand_ball import HandSpace, key_of_hand_space
+from gcm_learn.plots.figures.hand_ball import HandBall, key_of_hand_space
 from gcm_learn.plots.figures.scenery import Scenery, draw_courses, draw_poses, time_bar
 from gcm_learn.rendering import Camera, JointSituation, body_poses, view_of
 from gcm_learn.situation import Body, Situation, SolidQuadratic, Sphere, shipped_arm
@@ -48,7 +48,7 @@ def write_solid_gallery(folder: Path) -> list[Path]:
         raise RuntimeError(f"no catch to show: {plan.message}")
     view = view_of(situation, plan.trajectory)
     scenery = Scenery(situation, plan.trajectory, view)
-    hands = HandSpace(situation, plan.map, plan.trajectory, view)
+    hands = HandBall(situation, plan.map, plan.trajectory, view)
     out = []
     for name, figure in (
         ("space-situation", _situation(scenery)),
@@ -122,7 +122,7 @@ def _situation(scenery: Scenery) -> Figure:
     return figure
 
 
-def _hand_space(scenery: Scenery, hands: HandSpace) -> Figure:
+def _hand_space(scenery: Scenery, hands: HandBall) -> Figure:
     figure = style.new_figure(8.0, 4.2)
     left, right = figure.subplots(1, 2)
     t = SHOWN * scenery.end
@@ -137,7 +137,7 @@ def _hand_space(scenery: Scenery, hands: HandSpace) -> Figure:
     return figure
 
 
-def _wave(plan: Plan, hands: HandSpace) -> Figure:
+def _wave(plan: Plan, hands: HandBall) -> Figure:
     assert plan.map is not None and plan.map.interception is not None
     contact = plan.map.interception.time
     figure = style.new_figure(9.6, 3.0)
@@ -150,7 +150,7 @@ def _wave(plan: Plan, hands: HandSpace) -> Figure:
     return figure
 
 
-def _map(situation: JointSituation, moves: Movement, hands: HandSpace, view: Camera) -> Figure:
+def _map(situation: JointSituation, moves: Movement, hands: HandBall, view: Camera) -> Figure:
     figure = style.new_figure(8.0, 4.2)
     left, right = figure.subplots(1, 2)
     hands.show_map(left)

@@ -6,10 +6,12 @@ import numpy as np
 
 from gcm_learn.compiled import njit
 from gcm_learn.scene.bodies import DISC, SIZE, SPHERE
-from gcm_learn.scene.shapes.region import EMPTY_DISTANCE, Entry
+from gcm_learn.scene.shapes.region import EMPTY_DISTANCE, ShapeEntry
 
-DISC_ENTRY = Entry(DISC, lambda disc: (disc.radius, 0.0, 0.0), is_ball=True, is_round=True)
-SPHERE_ENTRY = Entry(SPHERE, lambda sphere: (sphere.radius, 0.0, 0.0), is_ball=True, is_round=True)
+DISC_ENTRY = ShapeEntry(DISC, lambda disc: (disc.radius, 0.0, 0.0), is_ball=True, is_round=True)
+SPHERE_ENTRY = ShapeEntry(
+    SPHERE, lambda sphere: (sphere.radius, 0.0, 0.0), is_ball=True, is_round=True
+)
 
 
 @njit(_nrt=False, forceinline=True)

@@ -6,9 +6,9 @@ import numpy as np
 
 from gcm_learn.compiled import njit
 from gcm_learn.scene.bodies import BOX, SIZE
-from gcm_learn.scene.shapes.region import Entry, placed
+from gcm_learn.scene.shapes.region import ShapeEntry, placed
 
-ENTRY = Entry(BOX, lambda shape: shape.half_extents)
+ENTRY = ShapeEntry(BOX, lambda shape: shape.half_extents)
 
 
 @njit(_nrt=False, forceinline=True)

@@ -8,9 +8,9 @@ from gcm_learn.compiled import njit
 from gcm_learn.scene.bodies import CAPSULE, SIZE
 from gcm_learn.scene.shapes import cylinder
 from gcm_learn.scene.shapes.ball import ball_cut
-from gcm_learn.scene.shapes.region import Entry
+from gcm_learn.scene.shapes.region import ShapeEntry
 
-ENTRY = Entry(CAPSULE, lambda shape: (shape.radius, shape.half_length, 0.0), is_round=True)
+ENTRY = ShapeEntry(CAPSULE, lambda shape: (shape.radius, shape.half_length, 0.0), is_round=True)
 
 
 @njit(_nrt=False, forceinline=True)

@@ -8,7 +8,7 @@ from __future__ import annotations
 from gcm_learn.compiled import njit
 from gcm_learn.scene.bodies import BALL, BOX, CAPSULE, CYLINDER, KIND, POLYGON
 from gcm_learn.scene.shapes import ball, box, capsule, cylinder, polygon
-from gcm_learn.scene.shapes.region import Entry, new_cut, region_distance
+from gcm_learn.scene.shapes.region import ShapeEntry, new_cut, region_distance
 from gcm_learn.situation import Box, Capsule, Cylinder, Disc, Polygon, Shape, Sphere
 
 
@@ -128,7 +128,7 @@ def gap_in_plane(bodies, poses, b, x, y):
     return region_distance(x, y, made, discs, corners)
 
 
-ENTRIES: dict[type, Entry] = {
+ENTRIES: dict[type, ShapeEntry] = {
     Disc: ball.DISC_ENTRY,
     Polygon: polygon.ENTRY,
     Sphere: ball.SPHERE_ENTRY,
@@ -138,6 +138,6 @@ ENTRIES: dict[type, Entry] = {
 }
 
 
-def entry_of(shape: Shape) -> Entry:
+def entry_of(shape: Shape) -> ShapeEntry:
     """Return the entry of a shape."""
     return ENTRIES[type(shape)]

@@ -7,9 +7,9 @@ import numpy as np
 from gcm_learn.compiled import njit
 from gcm_learn.scene.bodies import CYLINDER, SIZE
 from gcm_learn.scene.shapes.box import excess
-from gcm_learn.scene.shapes.region import Entry, placed
+from gcm_learn.scene.shapes.region import ShapeEntry, placed
 
-ENTRY = Entry(CYLINDER, lambda shape: (shape.radius, shape.half_length, 0.0), is_round=True)
+ENTRY = ShapeEntry(CYLINDER, lambda shape: (shape.radius, shape.half_length, 0.0), is_round=True)
 
 ARC_ERROR = 1.9e-4
 """Largest distance of a sampled arc from the true one, in radii (2.6e-4 where 256 vertices are

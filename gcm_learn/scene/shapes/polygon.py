@@ -6,9 +6,9 @@ import numpy as np
 
 from gcm_learn.compiled import njit
 from gcm_learn.scene.bodies import FIRST, LAST, POLYGON
-from gcm_learn.scene.shapes.region import Entry, polygon_distance
+from gcm_learn.scene.shapes.region import ShapeEntry, polygon_distance
 
-ENTRY = Entry(POLYGON, lambda _shape: (0.0, 0.0, 0.0), vertices=lambda shape: shape.vertices)
+ENTRY = ShapeEntry(POLYGON, lambda _shape: (0.0, 0.0, 0.0), vertices=lambda shape: shape.vertices)
 
 
 @njit(_nrt=False)

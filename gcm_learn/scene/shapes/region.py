@@ -130,7 +130,7 @@ def region_distance(px, py, made, discs, corners):
 Sizes = tuple[float, float, float]
 
 
-class Entry(NamedTuple):
+class ShapeEntry(NamedTuple):
     """Numbers of a shape in a body's row."""
 
     number: int

@@ -10,7 +10,7 @@ from gcm_learn.arms import CHAIN, SPATIAL, ByKind, hands_along, kind_of
 from gcm_learn.motion.failures import Failure
 from gcm_learn.motion.rules import opening
 from gcm_learn.motion.verification import verify
-from gcm_learn.planners import Attempt, SpatialProblem, checked, get_planner
+from gcm_learn.planners import Attempt, JointProblem, checked, get_planner
 from gcm_learn.scene.packing import pack
 from gcm_learn.situation import shipped_arm
 from tests.execution.conftest import Straight, begun, good
@@ -208,7 +208,7 @@ def test_the_referee_accepts_every_catch(chains):
     for e in np.flatnonzero(episodes.outcomes == execution.CAUGHT):
         situation, way = chains[e], execution.way_of(chains[e].arm, *episodes.path(e))
         target = next(k for k, b in enumerate(situation.bodies) if b.role == "target")
-        plan, reason = checked(SpatialProblem(situation, "arena"), Attempt(way, target))
+        plan, reason = checked(JointProblem(situation, "arena"), Attempt(way, target))
         assert plan is not None, reason
         assert judge(situation, plan) == []
         caught += 1

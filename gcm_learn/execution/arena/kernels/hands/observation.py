@@ -40,7 +40,7 @@ _BISECTIONS = 6
 _FARTHEST = 2.0  # observed distances are cut at this
 
 
-class View(NamedTuple):
+class HandMoment(NamedTuple):
     """Moment of an observation."""
 
     x: float  # hand, in canonical coordinates of t = 0
@@ -50,7 +50,7 @@ class View(NamedTuple):
     s: float
 
 
-class Meeting(NamedTuple):
+class HandMeeting(NamedTuple):
     """About when and where a straight way from the hand first meets a target."""
 
     time: float  # the horizon if there is none [s]
@@ -98,11 +98,11 @@ def _meeting_by(centre, scene, catch, b, view, poses):
                 else:
                     low = t
             px, py, _ = centre(bodies, b, high, poses)
-            return Meeting(high, True, px, py)
+            return HandMeeting(high, True, px, py)
         before = t
         k += max(int(missing / stride), 1)
     px, py, _ = centre(bodies, b, end, poses)
-    return Meeting(end, False, px, py)
+    return HandMeeting(end, False, px, py)
 
 
 @njit(_nrt=False)
@@ -136,7 +136,7 @@ def observe(world, state, e, options, out, workspace):
     x, y = state.hand[e, 0], state.hand[e, 1]
     r = np.sqrt(x * x + y * y)
     c, sn = (x / r, y / r) if r > 1e-12 else (1.0, 0.0)
-    view = View(x, y, state.time[e], c, sn)
+    view = HandMoment(x, y, state.time[e], c, sn)
     _tell_arm(scene, rules, view, options.dt, row)
     target, first = _first_meeting(scene, rules.catch, view, poses)
     _tell_target(scene, rules.catch, target, view, first, poses, row)
@@ -152,7 +152,7 @@ def observe(world, state, e, options, out, workspace):
 @njit(_nrt=False)
 def _first_meeting(scene, catch, view, poses):
     """The target that can be met first, and the meeting."""
-    target, first = -1, Meeting(1e300, False, view.x, view.y)
+    target, first = -1, HandMeeting(1e300, False, view.x, view.y)
     for b in range(scene.bodies.rows.shape[0]):
         if scene.bodies.rows[b, PART] != HAND:
             continue

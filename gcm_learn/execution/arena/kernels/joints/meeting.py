@@ -22,7 +22,7 @@ _SLOWEST = 0.1  # share of the fastest hand that is expected at least
 AIM_ROW = 3  # row of a view's rates in which the aim is left
 
 
-class Meeting(NamedTuple):
+class JointMeeting(NamedTuple):
     """About when and where the hand first meets a target."""
 
     body: int
@@ -144,17 +144,17 @@ def _meeting_with(view, since, posture, e, b):
                 else:
                     low = t
             centre_at(view.scene.bodies, b, high, poses)
-            return Meeting(b, True, high, poses[b, 0], poses[b, 1], poses[b, 2])
+            return JointMeeting(b, True, high, poses[b, 0], poses[b, 1], poses[b, 2])
         before = t
         k += max(int(missing / stride), 1)
     centre_at(view.scene.bodies, b, end, poses)
-    return Meeting(b, False, end, poses[b, 0], poses[b, 1], poses[b, 2])
+    return JointMeeting(b, False, end, poses[b, 0], poses[b, 1], poses[b, 2])
 
 
 @njit(_nrt=False)
 def first_meeting_in_view(view, since, posture, e):
     """The target that can be met first, and the meeting."""
-    first = Meeting(-1, False, 1e300, 0.0, 0.0, 0.0)
+    first = JointMeeting(-1, False, 1e300, 0.0, 0.0, 0.0)
     for b in range(view.scene.bodies.rows.shape[0]):
         if view.scene.bodies.rows[b, PART] != HAND:
             continue

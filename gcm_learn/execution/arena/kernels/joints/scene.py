@@ -18,7 +18,7 @@ from gcm_learn.scene.bodies import HAND, PART, Bodies
 HORIZON = -1  # column of a world's limits, the fields of `JointLimits` one after the other
 
 
-class View(NamedTuple):
+class ArmView(NamedTuple):
     """A situation, and buffers for one arm in it."""
 
     scene: Scene
@@ -60,7 +60,7 @@ def views_for(world, state, first, last):
     joints, rates, jacobian = np.zeros((2, n)), np.zeros((4, n)), np.zeros((3, n))
     gaps, rows, own = np.empty(most), np.zeros((most, ROW_COLUMNS)), buffers(limb)
     rules = rules_in(world, s)
-    return View(scene, rules, 1.0, 1.0, desk, joints, rates, jacobian, gaps, rows, own)
+    return ArmView(scene, rules, 1.0, 1.0, desk, joints, rates, jacobian, gaps, rows, own)
 
 
 @njit
@@ -94,7 +94,7 @@ def view_in(world, state, e, room):
     scene = Scene(_left_in(world, state, e, room.rows), limb, _limits_in(world, s, dof(limb)))
     which = world.obstacles[world.begin[s] : world.begin[s + 1]]
     desk = Desk(old.poses, old.curve, old.joints, old.spans, old.waiting, which, old.budget)
-    return View(
+    return ArmView(
         scene, rules_in(world, s), reach_of(limb), world.pace[s], desk, room.joints, room.rates,
         room.jacobian, room.gaps, room.rows, room.own,
     )  # fmt: skip
