@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from gcm_learn import motion
-from gcm_learn.arms import Arm, SpatialArm, kind_of
+from gcm_learn.arms import Arm, kind_of
 from gcm_learn.collision import UNLIMITED, WORK
 from gcm_learn.maps import CognitiveMap
 from gcm_learn.planners.joints.moves import Study, study_of
@@ -163,7 +163,7 @@ class Problem(Task):
 class JointProblem(Task):
     """A situation of an arm that moves in its joints on its way to a plan."""
 
-    situation: Situation[SpatialArm]
+    situation: Situation[Any]
 
     @cached_property
     def study(self) -> Study:

@@ -106,7 +106,7 @@ class InTube:
     def plan(self, situation: AnySituation) -> Plan:
         """Answer a situation."""
         easing = _EASINGS.of(situation)
-        problem: Any = JointProblem(situation, self.name)
+        problem = JointProblem(situation, self.name)
         early = problem.early_answer(keeps_acceleration=True)
         if early is not None:
             return early

@@ -83,7 +83,7 @@ class TreeSearch:
             See `Anytime`.  With it new trees look for an earlier catch until then.
         """
         end = end_of(situation, bound)
-        problem: Any = JointProblem(situation, self.name, deadline=deadline_of(deadline))
+        problem = JointProblem(situation, self.name, deadline=deadline_of(deadline))
         early: Plan | None = problem.early_answer(keeps_acceleration=True)
         if early is not None:
             return early
