@@ -6,6 +6,7 @@ import gc
 import importlib
 from collections.abc import Iterator
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 from numba.core.registry import CPUDispatcher
@@ -16,7 +17,8 @@ from gcm_learn import families, get_planner
 from gcm_learn.situation import Situation
 
 MAKERS = {"array", "copy", "empty", "full", "ones", "zeros", "append"}
-MAKERS |= {"Bodies", "World", "State", "Agenda", "Batch", "Spans"}
+MAKERS |= {"Bodies", "World", "State", "Agenda", "MarchingState", "Spans"}
+MAKERS |= {"Batch", "CheckedCells", "ReachedCells"}
 PLANNERS = ("gcm", "marching", "layered", "straight", "recall")
 
 
@@ -48,8 +50,9 @@ def makes_arrays(function: CPUDispatcher) -> bool:
         asked = waiting.pop().py_func
         if not MAKERS.isdisjoint(asked.__code__.co_names):
             return True
-        for name in asked.__code__.co_names:
-            named = asked.__globals__.get(name)
+        names, spaces = asked.__code__.co_names, [asked.__globals__]
+        spaces += [vars(m) for m in map(spaces[0].get, names) if isinstance(m, ModuleType)]
+        for named in (space[name] for space in spaces for name in names if name in space):
             if isinstance(named, CPUDispatcher) and named not in seen:
                 seen.add(named)
                 waiting.append(named)

@@ -6,17 +6,15 @@ import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from typing import Any, Literal
 
 from gcm_learn import planners
-from gcm_learn.arms import Arm
+from gcm_learn.arms import CHAIN, PLANAR, SPATIAL, Arm, ByKind
+from gcm_learn.dataset.spec import DatasetSpec
 from gcm_learn.maps import CognitiveMap, build_map
 from gcm_learn.motion import Failure
 from gcm_learn.situation import AnySituation, Body, Disc, PlanarQuadratic, Situation
 from gcm_learn.wave import MarchingParams, WaveParams
-
-if TYPE_CHECKING:
-    from gcm_learn.dataset.spec import DatasetSpec
 
 Verdict = Literal["L", "W", "Q", "U", "blocked", "other"]
 INSTANTS = 32  # of the horizon, at which straight lines to interceptions are tried in space
@@ -58,8 +56,6 @@ class BaseCase(ABC):
     """A situation and the answers of planners to it, each asked at most once, cheap ones first."""
 
     problem: Any
-    persistent: ClassVar[str]
-    """Planner whose catches are those by waiting."""
 
     def __init__(self, situation: AnySituation, spec: DatasetSpec) -> None:
         self.situation: Any = situation
@@ -117,7 +113,7 @@ class BaseCase(ABC):
             return planners.stratum(self.situation, self.bounds())
         if wanted == "W":
             return "other"
-        if self.plan(self.persistent).caught:
+        if self.plan(self.spec.persistent).caught:
             return "Q"
         if wanted not in (None, "U"):
             return "U"
@@ -170,8 +166,6 @@ class BaseCase(ABC):
 class PlanarCase(BaseCase):
     """A situation of a planar arm; the oracle bounds the earliest catch."""
 
-    persistent = "layered"
-
     @classmethod
     def examples(cls) -> tuple[AnySituation, ...]:
         """Return a target that is free and one that is covered."""
@@ -211,8 +205,6 @@ class PlanarCase(BaseCase):
 class SpatialCase(BaseCase):
     """A situation of a spatial arm; some catch stands for the earliest one."""
 
-    persistent = "search"
-
     def _begin(self) -> planners.Plan | None:
         self.problem = planners.JointProblem(self.situation, "case")
         return self.problem.early_answer(keeps_acceleration=True)
@@ -227,7 +219,7 @@ class SpatialCase(BaseCase):
 
     def _caught_without_waiting(self) -> bool:
         """Return whether the persistent planner needs no rest for its catch."""
-        plan = self.plan(self.persistent)
+        plan = self.plan(self.spec.persistent)
         if plan.trajectory is None or not plan.trajectory.rests:
             return plan.caught
         return planners.without_waits(self.problem, plan) is not None
@@ -237,7 +229,7 @@ class SpatialCase(BaseCase):
         return build_map(self.situation, params, scene=self.problem.scene)
 
     def _asked(self, name: str) -> planners.Plan:
-        effort = self.spec.effort if name == self.persistent else None
+        effort = self.spec.effort if name == self.spec.persistent else None
         known: Any = (
             planners.get_planner(name) if effort is None else planners.search_in_space(effort)
         )
@@ -269,8 +261,13 @@ class ChainCase(SpatialCase):
         """Return whether the persistent planner needs no rest for its catches."""
         if not self._several:
             return super()._caught_without_waiting()
-        moves = self.plan(self.persistent).trajectory
+        moves = self.plan(self.spec.persistent).trajectory
         return moves is not None and not moves.rests
 
     def _asked(self, name: str) -> planners.Plan:
         return planners.solve(self.situation, name)
+
+
+CASES: ByKind[type[BaseCase]] = ByKind(
+    {PLANAR: PlanarCase, SPATIAL: SpatialCase, CHAIN: ChainCase}, who="dataset"
+)

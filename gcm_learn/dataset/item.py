@@ -16,7 +16,7 @@ from llvmlite import binding
 
 from gcm_learn import compiled
 from gcm_learn.arms import rotation_of
-from gcm_learn.dataset.cases import BaseCase
+from gcm_learn.dataset.cases import CASES, BaseCase
 from gcm_learn.dataset.kinds import RECORDS
 from gcm_learn.dataset.record import Record
 from gcm_learn.dataset.spec import DatasetSpec
@@ -253,7 +253,7 @@ def _known(
 
 def case_of(situation: AnySituation, spec: DatasetSpec) -> BaseCase:
     """Return a situation with the answers of planners to it, for its kind of arm."""
-    return RECORDS.of(situation).case(situation, spec)
+    return CASES.of(situation)(situation, spec)
 
 
 DRAWS = 2  # items of each family
@@ -298,7 +298,7 @@ def warmed(spec: DatasetSpec, work: Callable[[Task], Result], task: Task) -> Res
 def _run(spec: DatasetSpec) -> None:
     """Make a few items, and try all levels of all planners in a situation without a path."""
     small = replace(spec, strata=None, count=DRAWS * len(spec.families))
-    examples = RECORDS.of(spec.kind).case.examples()
+    examples = CASES.of(spec.kind).examples()
     for k in range(small.count):
         family = spec.families[k // DRAWS]
         alone = not examples and spec.audit > 0.0 and k == 0

@@ -13,7 +13,6 @@ import pyarrow as pa
 
 from gcm_learn.arms import CHAIN, PLANAR, SPATIAL, Arm, Base, ByKind, Chain, Kind, SpatialArm
 from gcm_learn.charts import LARGEST_LATTICE
-from gcm_learn.dataset.cases import BaseCase, ChainCase, PlanarCase, SpatialCase
 from gcm_learn.motion import Movement, fastest_hand
 from gcm_learn.scene import pack
 from gcm_learn.situation import Frame, Situation, SpatialFrame, arm_to_json
@@ -210,8 +209,8 @@ class RecordKind:
     """Length of an arm's forearm."""
     sizes: Callable[[Any], tuple[float, float]]
     """Length of the upper arm and top speed of the hand of a situation's arm."""
-    case: type[BaseCase]
-    """A situation with the answers of planners to it."""
+    persistent: str
+    """Planner whose catches are those by waiting."""
     map: Types
     """Columns of a map."""
     engines: tuple[str, ...]
@@ -239,7 +238,7 @@ RECORDS = ByKind(
             numbers=planar_numbers,
             forearm=planar_forearm,
             sizes=planar_sizes,
-            case=PlanarCase,
+            persistent="layered",
             map=MAP,
             engines=("wave", "marching", "layered"),
             largest=LARGEST_LATTICE,
@@ -256,7 +255,7 @@ RECORDS = ByKind(
             numbers=spatial_numbers,
             forearm=spatial_forearm,
             sizes=spatial_sizes,
-            case=SpatialCase,
+            persistent="search",
             map=MAP_IN_SPACE,
             engines=("marching",),
             largest=COARSE,
@@ -273,7 +272,7 @@ RECORDS = ByKind(
             numbers=chain_numbers,
             forearm=chain_reach,
             sizes=chain_sizes,
-            case=ChainCase,
+            persistent="search",
             map=MAP_IN_SPACE,
             engines=("marching",),
             largest=COARSE,

@@ -157,7 +157,7 @@ class DatasetSpec:
     @property
     def persistent(self) -> str:
         """Planner whose catches are those by waiting."""
-        return RECORDS.of(self.kind).case.persistent
+        return RECORDS.of(self.kind).persistent
 
     @cached_property
     def drawn(self) -> tuple[FamilyShare, ...]:

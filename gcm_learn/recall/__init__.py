@@ -86,6 +86,6 @@ __getattr__ = late.late_names(
     __name__,
     {
         "training": ("Effort", "Trainer", "write_model"),
-        "transfer_labels": ("Best", "Labels", "TransferLabels"),
+        "transfer_labels": ("Best", "TransferLabels", "ValidMemories"),
     },
 )
