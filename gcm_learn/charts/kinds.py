@@ -5,17 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from gcm_learn.arms import PLANAR, Arm, ByKind
+from gcm_learn.arms import PLANAR, ByKind
 from gcm_learn.charts.chart import Chart
 from gcm_learn.charts.hand_lattice import HandLattice
 from gcm_learn.charts.lattice import Lattice
 
-
-def _cells(arm: Arm, n: int) -> Lattice:
-    return Lattice(n, arm.upper_arm, arm.elbow)
-
-
-CHARTS: ByKind[Callable[..., Chart]] = ByKind({PLANAR: _cells}, default=HandLattice)
+CHARTS: ByKind[Callable[..., Chart]] = ByKind(
+    {PLANAR: lambda arm, n: Lattice(n, arm.upper_arm, arm.elbow)}, default=HandLattice
+)
 _LATTICES: ByKind[Callable[[Any], Lattice]] = ByKind(
     {PLANAR: lambda chart: chart}, who="a lattice of the plane"
 )

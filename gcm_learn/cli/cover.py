@@ -70,7 +70,7 @@ class Cover:
                 bar.advance(round(PARTS * share) - bar.done)
 
             try:
-                grow(cover, budget, crew, keep=self._save, progress=note)
+                grow(cover, budget, crew, keep=lambda cover: cover.save(self.out), progress=note)
             except OSError as error:
                 raise CommandFailure(f"--out {self.out}: {why(error)}") from None
         print(summary(self.out, cover))
@@ -87,9 +87,6 @@ class Cover:
             had = f"{cover.family.name} with {len(cover.family.parameters)} free parameters"
             raise CommandFailure(f"--out {self.out}: holds a cover of {had}")
         return cover
-
-    def _save(self, cover: Grown) -> None:
-        cover.save(self.out)
 
     def _checked(self, cover: Grown) -> int:
         """Verify draws, say how many broke a promise, and return the exit code."""

@@ -36,18 +36,6 @@ class MapKind(NamedTuple):
     """Default of `build_map`."""
 
 
-def _lattice_header(chart: Lattice) -> dict[str, Any]:
-    return {"n": chart.n, "upper_arm": chart.upper_arm, "elbow": chart.elbow}
-
-
-def _lattice(header: dict[str, Any]) -> Lattice:
-    return Lattice(header["n"], header["upper_arm"], header["elbow"])
-
-
-def _space_header(chart: HandLattice) -> dict[str, Any]:
-    return {"n": chart.n, "arm": asdict(chart.arm)}
-
-
 def _space(header: dict[str, Any]) -> HandLattice:
     if "postures" in header:
         raise FileFormatError("postures: the map is over another lattice, which is no longer read")
@@ -71,14 +59,14 @@ MAPS = ByKind(
     {
         PLANAR: MapKind(
             "gcm-learn/map@1",
-            _lattice_header,
-            _lattice,
+            lambda chart: {"n": chart.n, "upper_arm": chart.upper_arm, "elbow": chart.elbow},
+            lambda header: Lattice(header["n"], header["upper_arm"], header["elbow"]),
             lambda arm, chart: arm.hand,
             WaveParams(),
         ),
         SPATIAL: MapKind(
             "gcm-learn/map@2",
-            _space_header,
+            lambda chart: {"n": chart.n, "arm": asdict(chart.arm)},
             _space,
             lambda arm, chart: chart.hand,
             IN_SPACE,

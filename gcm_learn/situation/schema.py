@@ -145,10 +145,6 @@ def _model(name: str) -> Schema:
     return _object(arms.ChainModel, given, required=("format",), optional=("name",))
 
 
-def _planar() -> Schema:
-    return _object(arms.Arm)
-
-
 def _spatial() -> Schema:
     return _object(arms.SpatialArm, {"kind": _kind(arms.SpatialArm)}, required=("kind",))
 
@@ -244,5 +240,5 @@ def _number(bounds: Schema) -> Schema:
 
 
 _ARMS: arms.ByKind[Callable[[], Schema]] = arms.ByKind(
-    {arms.PLANAR: _planar, arms.SPATIAL: _spatial, arms.CHAIN: _chain}
+    {arms.PLANAR: lambda: _object(arms.Arm), arms.SPATIAL: _spatial, arms.CHAIN: _chain}
 )

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from gcm_learn.arms import PLANAR, Arm, ByKind
+from gcm_learn.arms import PLANAR, ByKind
 from gcm_learn.execution.arena.kernels.world import EXTREME, TERMS, Told
 from gcm_learn.execution.arena.kinds import KERNELS
 from gcm_learn.execution.arena.pool import Pool
@@ -172,10 +172,6 @@ def way_of(arm: Any, time: np.ndarray, posture: np.ndarray) -> Any:
     return _WAYS.of(arm)(arm, time, posture)
 
 
-def _way_of_hand(arm: Arm, time: np.ndarray, posture: np.ndarray) -> Movement:
-    return Movement.of_hand(arm, time, posture)
-
-
 def _way_of_joints(arm: Any, time: np.ndarray, posture: np.ndarray) -> Movement:
     new = np.append(True, np.diff(time) > 0.0)  # a catch at t = 0 takes no time
     dof = len(arm.joints)
@@ -185,7 +181,7 @@ def _way_of_joints(arm: Any, time: np.ndarray, posture: np.ndarray) -> Movement:
 
 
 _WAYS: ByKind[Callable[[Any, np.ndarray, np.ndarray], Any]] = ByKind(
-    {PLANAR: _way_of_hand}, default=_way_of_joints, who="the arena"
+    {PLANAR: Movement.of_hand}, default=_way_of_joints, who="the arena"
 )
 
 

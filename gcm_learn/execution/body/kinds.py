@@ -163,10 +163,6 @@ def _lines_of_chain(arm: arms.Chain, metres: float) -> tuple[np.ndarray, np.ndar
     return arm.model.factors * every[:, None] / _metric_of_chain(arm, metres), every * offsets
 
 
-def _elbow_and_hand(arm: arms.SpatialArm, joints: np.ndarray) -> np.ndarray:
-    return np.stack(arms.forward_in_space(arm, joints), axis=1)
-
-
 def _ends_and_hand(arm: arms.Chain, joints: np.ndarray) -> np.ndarray:
     """Points of a capsule stray no farther than the farther of its ends."""
     ends, _ = arms.links_along(arm, joints)
@@ -206,7 +202,7 @@ MECHANICS = arms.ByKind(
             ignored=lambda arm: (),
             format=ArmBody.format,
             stranger=lambda arm, name: "",
-            points=_elbow_and_hand,
+            points=lambda arm, joints: np.stack(arms.forward_in_space(arm, joints), axis=1),
         ),
         arms.CHAIN: Mechanics(
             rested=_rested,
