@@ -77,15 +77,5 @@ if TYPE_CHECKING:
 
 
 __getattr__ = late.late_names(
-    __name__,
-    {
-        "robots": (
-            "Fitted",
-            "Inertial",
-            "Robot",
-            "chain_of",
-            "frames_at",
-            "read_robot",
-        ),
-    },
+    __name__, {"robots": ("Fitted", "Inertial", "Robot", "chain_of", "frames_at", "read_robot")}
 )

@@ -127,9 +127,6 @@ def forward(joints: ArrayLike, upper_arm: float = 1.0) -> np.ndarray:
     joints = np.asarray(joints, dtype=float)
     first, second = joints[..., 0], joints[..., 0] + joints[..., 1]
     return np.stack(
-        [
-            upper_arm * np.cos(first) + np.cos(second),
-            upper_arm * np.sin(first) + np.sin(second),
-        ],
+        [upper_arm * np.cos(first) + np.cos(second), upper_arm * np.sin(first) + np.sin(second)],
         axis=-1,
     )

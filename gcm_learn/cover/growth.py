@@ -238,11 +238,7 @@ def draws(
 
 
 def broken_of(
-    cover: Cover,
-    count: int,
-    seed: int,
-    progress: Callable[[], None] = lambda: None,
-    first: int = 0,
+    cover: Cover, count: int, seed: int, progress: Callable[[], None] = lambda: None, first: int = 0
 ) -> tuple[int, int]:
     """Verify draws from proven cells; return how many break a promise, and how many there are."""
     broken = drawn = 0

@@ -174,10 +174,7 @@ class Record:
     error = Part[str | None](WORD)
     """Reason of a failure; the record then has index, attempts and rejected only."""
     situation = Part[Any](
-        WORD,
-        _situation_cell,
-        lambda _, text: situation_from_json(json.loads(text)),
-        label=False,
+        WORD, _situation_cell, lambda _, text: situation_from_json(json.loads(text)), label=False
     )
     """The situation, canonical; what its arm is, all of a dataset's are."""
     parameters = Part[np.ndarray](
@@ -205,10 +202,7 @@ class Record:
     """The plans by planner."""
 
     def __init__(
-        self,
-        spec: DatasetSpec,
-        values: Mapping[str, Any],
-        row: Mapping[str, Any] | None = None,
+        self, spec: DatasetSpec, values: Mapping[str, Any], row: Mapping[str, Any] | None = None
     ) -> None:
         self.spec, self.values, self._row = spec, dict(values), row
 

@@ -91,8 +91,7 @@ def _sixths(common: Config, ranges: Mapping[str, Config], arm: Config) -> tuple[
 
 PRESETS: dict[str, Preset] = {
     "panda-easy": Preset(
-        "a Panda before few bodies, six families in turns",
-        _sixths(_EASY, _EASY_RANGES, _PANDA),
+        "a Panda before few bodies, six families in turns", _sixths(_EASY, _EASY_RANGES, _PANDA)
     ),
     "panda-crowded": Preset(
         "a Panda before many bodies, six families in turns, approaches prescribed",

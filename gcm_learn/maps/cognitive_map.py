@@ -72,11 +72,7 @@ MAPS = ByKind(
             IN_SPACE,
         ),
         CHAIN: MapKind(
-            "gcm-learn/map@3",
-            _chain_header,
-            _chain,
-            lambda arm, chart: chart.hand,
-            IN_SPACE,
+            "gcm-learn/map@3", _chain_header, _chain, lambda arm, chart: chart.hand, IN_SPACE
         ),
     },
     who="a map",

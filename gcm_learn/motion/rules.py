@@ -86,10 +86,7 @@ def _at_start(scene):
 def _at_start_in_joints(scene):
     """Return the same for a limb that moves in its joints."""
     desk = desk_of(scene)
-    distance, hopeful = (
-        gap_at(scene, scene.limb.start, 0.0, desk),
-        may_be_met(scene, desk.poses),
-    )
+    distance, hopeful = (gap_at(scene, scene.limb.start, 0.0, desk), may_be_met(scene, desk.poses))
     return distance, fastest_hand(scene), _fastest_target(scene.bodies.rows), hopeful
 
 

@@ -112,10 +112,7 @@ class Task:
         return None
 
     def caught(
-        self,
-        attempt: Attempt,
-        clearance: float,
-        cognitive_map: CognitiveMap | None = None,
+        self, attempt: Attempt, clearance: float, cognitive_map: CognitiveMap | None = None
     ) -> Plan:
         """A plan with a verified catch."""
         body = self.situation.bodies[attempt.body].name
@@ -197,12 +194,7 @@ def until(situation: Situation, bound: float | None) -> Situation:
 
 
 def straight_catch(
-    problem: Problem,
-    start: np.ndarray,
-    since: float,
-    *,
-    after: float = 0.0,
-    wait: bool = False,
+    problem: Problem, start: np.ndarray, since: float, *, after: float = 0.0, wait: bool = False
 ) -> tuple[np.ndarray, np.ndarray, int] | None:
     """Go straight from `start`, left at time `since`, to the earliest interception.
 
@@ -354,9 +346,7 @@ def attempt_of(problem: Problem, time: np.ndarray, hand: np.ndarray, body: int) 
 
 
 def judged(
-    problem: Task,
-    attempt: Attempt,
-    cognitive_map: CognitiveMap | None = None,
+    problem: Task, attempt: Attempt, cognitive_map: CognitiveMap | None = None
 ) -> tuple[Plan | None, motion.Verdict]:
     """Verify an attempt: a plan if it holds, and the verdict."""
     verdict = motion.verify(problem.scene, problem.rules, attempt.trajectory, attempt.body)

@@ -136,10 +136,7 @@ class Anytime(Protocol):
         """Name under which it is registered."""
 
     def plan(
-        self,
-        situation: Any,
-        bound: float | None = None,
-        deadline: float | Deadline | None = None,
+        self, situation: Any, bound: float | None = None, deadline: float | Deadline | None = None
     ) -> Plan:
         """Answer a situation.
 

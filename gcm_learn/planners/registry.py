@@ -227,10 +227,7 @@ class ByArm:
         return self._make(self._places.of(situation))
 
     def plan(
-        self,
-        situation: Any,
-        bound: float | None = None,
-        deadline: float | Deadline | None = None,
+        self, situation: Any, bound: float | None = None, deadline: float | Deadline | None = None
     ) -> Plan:
         """Answer a situation; a bound and a deadline are for planners that take them."""
         given = {"bound": bound, "deadline": deadline}

@@ -130,11 +130,7 @@ class Server(ThreadingHTTPServer):
     allow_reuse_address = False  # another program on the port is an error on every platform
 
     def __init__(
-        self,
-        worker: Newest,
-        kinds: Collection[str],
-        start: dict[str, Any],
-        port: int = 0,
+        self, worker: Newest, kinds: Collection[str], start: dict[str, Any], port: int = 0
     ) -> None:
         try:
             super().__init__((LOOPBACK, port), Handler)

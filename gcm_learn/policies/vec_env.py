@@ -36,11 +36,7 @@ class ArenaVecEnv(VecEnv):
     render_mode = None
 
     def __init__(
-        self,
-        arms: Any,
-        seed: int = 0,
-        *,
-        actions: Literal["arena", "velocity", "choice"] = "arena",
+        self, arms: Any, seed: int = 0, *, actions: Literal["arena", "velocity", "choice"] = "arena"
     ) -> None:
         self.plant: Any = arms if isinstance(arms, Batch) else arms.unwrapped.plant
         count, settings = self.plant.count, self.plant.settings

@@ -64,11 +64,7 @@ first, last : int
 """
 again = by_type({HandQuery: _again, JointQuery: _again, TimedQuery: timed_moves.again})
 habits = by_type(
-    {
-        HandQuery: hand_pushes.habits,
-        JointQuery: joint_pushes.habits,
-        TimedQuery: timed_moves.habits,
-    }
+    {HandQuery: hand_pushes.habits, JointQuery: joint_pushes.habits, TimedQuery: timed_moves.habits}
 )
 _touch_of = by_type(
     {

@@ -264,11 +264,7 @@ class Rollout:
     """True if it would have caught."""
 
 
-def unverified(
-    memory: Memory,
-    situation: Situation,
-    how: Adaptation = DEFAULT,
-) -> Rollout:
+def unverified(memory: Memory, situation: Situation, how: Adaptation = DEFAULT) -> Rollout:
     """Act on the first memory that is recalled, without verification."""
     problem = planners.Problem(situation, "recall-1")
     query = query_of(problem)

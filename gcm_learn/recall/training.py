@@ -306,11 +306,7 @@ METRICS, CARD = "metrics.json", "card.md"
 
 
 def write_model(
-    folder: Path,
-    trainer: Trainer,
-    records: Dataset,
-    dataset: str,
-    scores: Mapping[str, float],
+    folder: Path, trainer: Trainer, records: Dataset, dataset: str, scores: Mapping[str, float]
 ) -> None:
     """Write a trained encoder, its log and its card; what it took to go on is removed.
 

@@ -81,11 +81,7 @@ def _joint_limits(situation: Any) -> JointLimits:
     acceleration = arm.max_joint_acceleration or (math.inf,) * count
     speed = math.inf if arm.max_hand_speed is None else arm.max_hand_speed
     return JointLimits(
-        np.array(arm.max_joint_speed),
-        np.array(acceleration),
-        speed,
-        arm.grasp,
-        situation.horizon,
+        np.array(arm.max_joint_speed), np.array(acceleration), speed, arm.grasp, situation.horizon
     )
 
 

@@ -63,9 +63,7 @@ def frame_of(situation: Situation) -> Frame:
 
 
 @overload
-def canonical(
-    situation: Situation[SpatialArm],
-) -> tuple[Situation[SpatialArm], SpatialFrame]: ...
+def canonical(situation: Situation[SpatialArm]) -> tuple[Situation[SpatialArm], SpatialFrame]: ...
 @overload
 def canonical(situation: Situation[Chain]) -> tuple[Situation[Chain], SpatialFrame]: ...
 @overload

@@ -157,12 +157,7 @@ def _motion_members(motion: Motion) -> dict[str, Any]:
     return members_of(motion)
 
 
-__all__ = [
-    "read_situations",
-    "situation_from_json",
-    "situation_to_json",
-    "write_situations",
-]
+__all__ = ["read_situations", "situation_from_json", "situation_to_json", "write_situations"]
 
 
 Check = Callable[[AnySituation], object]

@@ -164,11 +164,7 @@ class Renamed(NamedTuple):
 RENAMED: dict[type, Renamed] = {
     Link: Renamed({"start": "from", "end": "to"}),
     Chain: Renamed(
-        {
-            "joints": "posture",
-            "joint_rates": "rates",
-            "max_joint_acceleration": "max_acceleration",
-        },
+        {"joints": "posture", "joint_rates": "rates", "max_joint_acceleration": "max_acceleration"},
         null=("max_acceleration",),
     ),
 }

@@ -101,9 +101,7 @@ def march_in_space(
     """Map arrivals over cells in space; the front keeps the postures that it finds."""
     ask, count = _ask(scene, chart, params, ignore, widening), chart.size
     field = steps.NodeArrivals(
-        np.full(count, steps.NEVER),
-        np.zeros(count, np.uint8),
-        np.zeros(count, np.uint8),
+        np.full(count, steps.NEVER), np.zeros(count, np.uint8), np.zeros(count, np.uint8)
     )
     node, body, time, accepted = space.march(ask, chart.start(), field)
     via = np.empty(count, np.int32)

@@ -265,9 +265,7 @@ def _joined(robot: Robot) -> set[frozenset[str]]:
 
 
 def _drives(
-    placed: Sequence[Placed],
-    torques: Sequence[float | None],
-    rotors: Sequence[float | None],
+    placed: Sequence[Placed], torques: Sequence[float | None], rotors: Sequence[float | None]
 ) -> tuple[Drive, ...]:
     """Return the motors of joints, of which some numbers may be given; followers have none."""
     made, listed = [], iter(zip(torques, rotors, strict=True))

@@ -172,12 +172,7 @@ KERNELS = ByKind(
             play=play,
         ),
         SPATIAL: _SPATIAL,
-        CHAIN: replace(
-            _SPATIAL,
-            layout=_chain_layout,
-            check=_alike,
-            pace=_pace_of_chain,
-        ),
+        CHAIN: replace(_SPATIAL, layout=_chain_layout, check=_alike, pace=_pace_of_chain),
     },
     who="the arena",
 )

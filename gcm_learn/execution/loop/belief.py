@@ -127,10 +127,7 @@ class Belief:
     """
 
     def __init__(
-        self,
-        situation: AnySituation,
-        perception: Perception,
-        acceleration: float = ACCELERATION,
+        self, situation: AnySituation, perception: Perception, acceleration: float = ACCELERATION
     ) -> None:
         if not 0.0 <= acceleration < math.inf:
             raise ArenaError(f"acceleration: must be from 0 on (got {acceleration!r})")

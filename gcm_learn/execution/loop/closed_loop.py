@@ -203,12 +203,7 @@ class _Episode:
 
 
 def run_closed_loop(
-    mind: Mind,
-    plant: LedPlant,
-    situation: AnySituation,
-    loop: Loop,
-    seed: int,
-    *index: int,
+    mind: Mind, plant: LedPlant, situation: AnySituation, loop: Loop, seed: int, *index: int
 ) -> Course:
     """Let an agent act until the episode is over.
 

@@ -109,10 +109,7 @@ class Episodes:
 
 
 def run_episode(
-    agent: Agent,
-    plant: Plant,
-    places: np.ndarray,
-    watch: Callable[[Steps], object] | None = None,
+    agent: Agent, plant: Plant, places: np.ndarray, watch: Callable[[Steps], object] | None = None
 ) -> Episodes:
     """Let an agent act until every arm's episode is over.
 

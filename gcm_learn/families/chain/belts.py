@@ -80,12 +80,7 @@ class ConveyorChain(ChainFamily):
         return parts
 
     def _boxes(
-        self,
-        rng: np.random.Generator,
-        stage: Stage,
-        way: Way,
-        axes: np.ndarray,
-        course: np.ndarray,
+        self, rng: np.random.Generator, stage: Stage, way: Way, axes: np.ndarray, course: np.ndarray
     ) -> list[Body]:
         """The belt and the boxes on it, before and after the meeting's place."""
         reach = stage.arm.reach

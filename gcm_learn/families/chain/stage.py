@@ -165,11 +165,7 @@ class Stage(NamedTuple):
         return quick, ramped.max(axis=-1)
 
     def way(
-        self,
-        rng: np.random.Generator,
-        takes: Range,
-        when: Range,
-        ends: np.ndarray | None = None,
+        self, rng: np.random.Generator, takes: Range, when: Range, ends: np.ndarray | None = None
     ) -> Way:
         """Draw a way between two of the postures.
 

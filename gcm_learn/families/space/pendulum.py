@@ -102,9 +102,6 @@ def ball_on_cord(
     return (
         Body(role, f"{name}{number}", Sphere(radius), motion),
         Body(
-            "obstacle",
-            f"cord{number}",
-            Capsule(thin, 0.5 * free),
-            replace(motion, hang=0.5 * free),
+            "obstacle", f"cord{number}", Capsule(thin, 0.5 * free), replace(motion, hang=0.5 * free)
         ),
     )

@@ -82,10 +82,7 @@ def followed(
     """
     assert found.interception is not None
     nodes = np.array(chain_to(found, found.met))
-    joints, times = (
-        found.postures(nodes),
-        found.arrival.ravel()[nodes].filled(0.0).astype(float),
-    )
+    joints, times = (found.postures(nodes), found.arrival.ravel()[nodes].filled(0.0).astype(float))
     body = [b.name for b in problem.situation.bodies].index(found.interception.body)
     way, out = ways.new_way(joints.shape[1]), ways.new_way(joints.shape[1])
     if len(nodes) + 2 > ways.MOST or not lay(study, joints, times, way):

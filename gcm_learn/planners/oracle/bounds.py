@@ -168,12 +168,7 @@ def _stratum(situation: Situation, known: Bounds | None) -> Stratum:
 
 
 def earliest_catch(
-    problem: Problem,
-    n: int,
-    *,
-    waiting: bool = True,
-    after: float = 0.0,
-    before: float = math.inf,
+    problem: Problem, n: int, *, waiting: bool = True, after: float = 0.0, before: float = math.inf
 ) -> Plan | None:
     """The best of the plans that an inner set's meetings give.
 
