@@ -12,8 +12,8 @@ from gcm_learn.arms import SIDE, Arm
 from gcm_learn.charts import Lattice, extended_obstacle, occupied_cells
 from gcm_learn.charts.extended import reach_angle
 from gcm_learn.charts.lattice import hand_space
-from gcm_learn.situation import Body, Disc, PlanarQuadratic, Polygon, Situation
-from tests.planar_geometry import elbow_of, point_distances, segment_distances
+from gcm_learn.situation import Body, Disc, PlanarQuadratic, Situation
+from tests.planar_geometry import elbow_of, segment_distances
 
 sides = st.sampled_from(["right", "left"])
 uppers = st.sampled_from([1.0, 0.6, 1.5]) | st.floats(0.3, 3.0)
@@ -201,18 +201,3 @@ def test_targets_occupy_nothing():
     target = Body("target", "ball", Disc(0.3), PlanarQuadratic((1.0, 0.5), (0, 0), (0, 0)))
     situation = Situation("scene", 1.0, situation.arm, (target, situation.bodies[1]))
     assert not occupied_cells(situation, Lattice(40), 0.0).any()
-
-
-def test_the_predicate_agrees_with_distances_to_a_polygon(rng):
-    """Any body, not only discs: a limb's distance to it by two different ways."""
-    bar = Polygon(((-0.3, -0.05), (0.3, -0.05), (0.3, 0.05), (-0.3, 0.05)))
-    situation = scene(1.0, "right", bar, (0.7, 0.9))
-    cells = occupied_cells(situation, Lattice(40), 0.0).ravel()
-    space = hand_space(Lattice(40))
-    pose = np.array([0.7, 0.9, 0.0]), np.eye(3)
-    for k in rng.choice(np.flatnonzero(space.inside), 200, replace=False):
-        hand, elbow = space.limb[k, :2], space.limb[k, 2:]
-        share = np.linspace(0.0, 1.0, 400)[:, None]
-        limb = np.concatenate([share * elbow, elbow + share * (hand - elbow)])
-        sampled = point_distances(bar, pose, limb).min()
-        assert cells[k] == (sampled == 0.0) or sampled < 2e-3

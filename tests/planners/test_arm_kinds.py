@@ -7,11 +7,11 @@ import pkgutil
 
 import pytest
 
-from gcm_learn import build_map, get_planner, solve
+from gcm_learn import get_planner, solve
 from gcm_learn.arms import SPATIAL as SPATIAL_KIND, kinds
 from gcm_learn.cli import main
 from gcm_learn.errors import ArmKindError
-from gcm_learn.execution import Settings, pool_for, pool_of
+from gcm_learn.execution import pool_of
 from gcm_learn.planners import registry
 from gcm_learn.planners.plan import takes
 from gcm_learn.situation import situation_from_json
@@ -39,16 +39,6 @@ def test_the_name_of_a_planner_that_takes_the_arm_is_told(name, instead):
         for ask in (get_planner(name).plan, lambda s: solve(s, name)):
             with pytest.raises(ArmKindError, match=rf"planner '{name}' .*; '{instead}' does$"):
                 ask(situation)
-
-
-@pytest.mark.parametrize(
-    "refuses",
-    [lambda s: build_map(s, wait=True), lambda s: pool_for(Settings(), [s])],
-    ids=["waits", "pool"],
-)
-def test_maps_and_the_arena_refuse(refuses):
-    with pytest.raises(ArmKindError, match="does not take spatial arms"):
-        refuses(SPATIAL)
 
 
 def test_the_arena_refuses_files_and_situations(tmp_path):

@@ -8,7 +8,7 @@ import pytest
 from gcm_learn import seeding
 from gcm_learn.charts.lattice import Lattice, hand_space
 from gcm_learn.errors import LatticeError
-from gcm_learn.wave import MarchingParams, WaveParams, front_speed, kappa_of
+from gcm_learn.wave import MarchingParams, WaveParams, front_speed
 from gcm_learn.wave.causal import march_in_plane as march
 from gcm_learn.wave.kernels import live_weight
 from gcm_learn.wave.solver import propagate_in_plane as propagate
@@ -56,11 +56,6 @@ def test_nowhere_faster_than_the_hand(points):
     grown = np.gradient(front.first, setting.lattice.spacing)
     slope = np.hypot(*grown)[20:60, 20:60][distance[20:60, 20:60] > 25.0]
     assert 1.0 / slope.min() < 1.01 * SPEED
-
-
-def test_kappa_of_the_paper():
-    setting = setting_of(scene())
-    assert kappa_of(*setting, WaveParams()) == pytest.approx(1.0 / 400.0, rel=0.01)
 
 
 @pytest.mark.parametrize("points", [5, 9])

@@ -9,7 +9,7 @@ from gcm_learn import seeding
 from gcm_learn.families import random_planar
 from gcm_learn.situation import Body, PlanarQuadratic, Polygon
 from gcm_learn.wave import WaveParams, kappa_of
-from gcm_learn.wave.kernels import CONTACT, FREE, FROZEN
+from gcm_learn.wave.kernels import FREE, FROZEN
 from gcm_learn.wave.reference import propagate_reference
 from gcm_learn.wave.solver import propagate_in_plane as propagate
 from tests.wave.scenes import (
@@ -97,23 +97,6 @@ def test_random_situations(k):
     compare(setting_of(situation, variant.n), variant)
 
 
-def test_a_frozen_cell_is_no_contact_later():
-    """Erratum 13: a target that crosses cells frozen long ago is not caught there."""
-    wall, params = (
-        disc("obstacle", "wall", (0.0, 1.4), radius=0.12),
-        WaveParams(n=40, until=EXPLORE),
-    )
-    setting = setting_of(scene(wall), 40)
-    front = propagate(*setting, params)
-    iy, ix = np.argwhere(state_of(front) == FROZEN)[-1]
-    assert 0.0 < front.first[iy, ix] < 0.9
-    x, y = setting.lattice.centres[[ix, iy]]
-    late = disc("target", "late", (x, y + 1.5), velocity=(0.0, -1.0), radius=0.03)
-    front = propagate(*setting_of(scene(wall, late, horizon=1.8), 40), params)
-    assert state_of(front)[iy, ix] == FROZEN
-    assert front.met_state == -1 and (state_of(front) != CONTACT).all()
-
-
 def test_contact_stops_the_front_unless_it_explores():
     situation = scene(disc("target", "ball", (-0.4, 1.0), (0.3, 0.2)))
     setting = setting_of(situation, 40)
@@ -124,13 +107,6 @@ def test_contact_stops_the_front_unless_it_explores():
     assert stopped.met_time == explored.met_time > 0.0
     assert stopped.steps < explored.steps
     assert stopped.first.max() < stopped.met_time + 2.0 * kappa_of(*setting, WaveParams(n=40))
-
-
-def test_contacts_before_a_time_do_not_count():
-    setting = setting_of(scene(disc("target", "ball", (-0.4, 1.0))), 40)
-    first = propagate(*setting, WaveParams(n=40))
-    again = propagate(*setting, WaveParams(n=40), ignore=1.1 * first.met_time)
-    assert again.met_time > 1.1 * first.met_time
 
 
 def test_two_runs_give_the_same_bytes():

@@ -192,17 +192,6 @@ def test_contact():
     assert front.met_time == pytest.approx(exact, abs=setting.lattice.spacing / SPEED)
 
 
-def test_the_front_stops_at_the_horizon():
-    setting = setting_of(scene(horizon=0.3))
-    front = march(*setting, EXPLORE)
-    reached = front.first >= 0.0
-    assert 0.9 * 0.3 < front.first.max() <= 0.3
-    inside = hand_space(setting.lattice).inside.reshape(80, 80)
-    assert np.array_equal(
-        reached, inside & (away(setting) <= 0.3 * SPEED / setting.lattice.spacing)
-    )
-
-
 def test_same_bytes_again_and_in_threads():
     settings = [setting_of(three_discs(seeding.rng(45, k)), 40) for k in range(8)]
     alone = [march(*s, COARSE).first.tobytes() for s in settings]

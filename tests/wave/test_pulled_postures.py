@@ -8,11 +8,10 @@ import numpy as np
 import pytest
 
 from gcm_learn.arms import hands_along
-from gcm_learn.errors import ArmKindError
 from gcm_learn.maps import CognitiveMap, build_map
 from gcm_learn.scene import pack
 from gcm_learn.situation import situation_from_json
-from gcm_learn.wave import MarchingParams, WaveParams
+from gcm_learn.wave import MarchingParams
 from tests.chains import SETS, drawn
 from tests.geometry import arm_of, least_at
 from tests.spatial import EXAMPLES
@@ -112,11 +111,3 @@ def test_a_map_is_kept_in_a_file(marched, tmp_path):
     np.testing.assert_array_equal(same.joints, found.joints)
     np.testing.assert_array_equal(same.via, found.via)
     np.testing.assert_array_equal(same.arrival.filled(-1.0), found.arrival.filled(-1.0))
-
-
-def test_what_chains_have_not_is_refused():
-    situation = situation_from_json(drawn("panda", 0))
-    with pytest.raises(ArmKindError, match="a wave does not take chains"):
-        build_map(situation, WaveParams())
-    with pytest.raises(ArmKindError, match="marching that may wait does not take chains"):
-        build_map(situation, PARAMS, wait=True)
