@@ -184,43 +184,31 @@ def first_leg(situation):
 first_leg.takes = lambda kind: True
 
 
-@pytest.mark.parametrize(
-    ("call", "error", "line"),
-    [
-        (lambda: ask(["nobody"], "gate"), UnknownNameError, "'nobody' is not one of"),
-        (lambda: ask(["search"], "moon"), UnknownNameError, "'moon' is not one of"),
-        (lambda: ask(["search"], "si-rrt"), SuiteError, "gcm-learn convert si-rrt"),
-        (lambda: ask(["search"], []), SuiteError, "nothing is asked"),
-        (
-            lambda: ask([failing], families.draw("falling-space", 1, 0)),
-            ArmKindError,
-            "failing",
-        ),
-        (
-            lambda: ask(["clone"], families.draw("falling-space", 1, 0)),
-            ArmKindError,
-            "policy 'clone'",
-        ),
-        (
-            lambda: ask(["clone"], cases("gate", count=1), [Condition(noise=0.1)]),
-            SuiteError,
-            "'clone' is no planner",
-        ),
-        (
-            lambda: ask(["search"], cases("gate", count=1), [Condition(-1.0)]),
-            SuiteError,
-            "thinking: must be from 0 s on",
-        ),
-        (
-            lambda: ask(["search"], cases("gate", count=1), [Condition(noise=2.0)]),
-            SuiteError,
-            "noise: must be from 0 to 1",
-        ),
-    ],
-)
-def test_what_cannot_be_asked_is_refused_in_one_line(call, error, line):
+def drawn():
+    return families.draw("falling-space", 1, 0)
+
+
+def gate():
+    return cases("gate", count=1)
+
+
+REFUSED = [
+    (["nobody"], "gate", [], UnknownNameError, "'nobody' is not one of"),
+    (["search"], "moon", [], UnknownNameError, "'moon' is not one of"),
+    (["search"], "si-rrt", [], SuiteError, "gcm-learn convert si-rrt"),
+    (["search"], [], [], SuiteError, "nothing is asked"),
+    ([failing], drawn, [], ArmKindError, "failing"),
+    (["clone"], drawn, [], ArmKindError, "policy 'clone'"),
+    (["clone"], gate, [Condition(noise=0.1)], SuiteError, "'clone' is no planner"),
+    (["search"], gate, [Condition(-1.0)], SuiteError, "thinking: must be from 0 s on"),
+    (["search"], gate, [Condition(noise=2.0)], SuiteError, "noise: must be from 0 to 1"),
+]
+
+
+@pytest.mark.parametrize(("entrants", "on", "conditions", "error", "line"), REFUSED)
+def test_what_cannot_be_asked_is_refused_in_one_line(entrants, on, conditions, error, line):
     with pytest.raises(error, match=line) as caught:
-        call()
+        ask(entrants, on() if callable(on) else on, conditions or [Condition()])
     assert "\n" not in str(caught.value)
 
 

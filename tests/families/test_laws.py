@@ -30,11 +30,6 @@ def catches(situation):
     return found[0] if found else "U", times
 
 
-def strata(family, count, seed=1):
-    found = [catches(draw(family, seed, k))[0] for k in range(count)]
-    return {letter: found.count(letter) / count for letter in "LWQU"}
-
-
 def random_piece(rng):
     size = (rng.uniform(0.05, 0.3),) if rng.random() < 0.3 else tuple(rng.uniform(0.05, 0.3, 2))
     size = tuple(sorted(size, reverse=True))
@@ -212,7 +207,10 @@ def entry(situation):
     return (-b - math.sqrt(b * b - a * c)) / a if c > 0 else 0.0
 
 
-@pytest.mark.parametrize("name", ["late-target", "late-target-solid"])
+LATE = ["late-target", "late-target-solid"]
+
+
+@pytest.mark.parametrize("name", LATE)
 def test_no_target_that_is_late_can_be_caught_before_its_entry(name):
     caught = 0
     for k in range(20):
@@ -271,12 +269,17 @@ def test_gates_need_waiting(name):
     assert found.count("Q") >= 10 and found.count("L") + found.count("W") <= 3
 
 
+FAMILIES = [(name, 100, 0.65, 0.25) for name in family_names("planar")]
+FAMILIES += [(name, 30, 0.5, 0.33) for name in family_names("spatial")]
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("name", family_names("planar"))
-def test_no_family_is_trivial_or_hopeless(name):
-    shares = strata(name, 100)
-    assert shares["U"] <= 0.45
+@pytest.mark.parametrize(("name", "count", "most", "least"), FAMILIES)
+def test_no_family_is_trivial_or_hopeless(name, count, most, least):
+    found = [catches(draw(name, 1, k))[0] for k in range(count)]
+    shares = {letter: found.count(letter) / count for letter in "LWQU"}
+    assert count == 30 or shares["U"] <= 0.45
     if not name.startswith("random"):
-        assert shares["L"] <= 0.65 and shares["W"] + shares["Q"] >= 0.25
-    if name.startswith(("gate", "late-target")):
+        assert shares["L"] <= most and shares["W"] + shares["Q"] >= least
+    if name.startswith(("gate", "door", "window")) or name in LATE:
         assert shares["Q"] >= 0.1
