@@ -53,16 +53,6 @@ def scene_of(rng, walls=2):
     return Situation("drawn", horizon, replace(arm, joints=tuple(start)), tuple(bodies))
 
 
-def test_the_referee_has_no_complaints():
-    caught = 0
-    for k in range(40):
-        situation = scene_of(seeding.rng(7, k), walls=k % 4)
-        plan = solve(situation)
-        caught += plan.caught
-        assert not plan.caught or judge(situation, plan) == []
-    assert caught >= 20
-
-
 def test_examples_are_caught():
     situations = [s for s in read_situations(EXAMPLES) if s.arm.max_joint_acceleration is None]
     plans = [solve(situation) for situation in situations]

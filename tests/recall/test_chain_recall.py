@@ -8,18 +8,17 @@ from functools import cache
 import numpy as np
 import pytest
 
-from gcm_learn import families, get_planner, recall, seeding
+from gcm_learn import families, get_planner, recall, referee, seeding
 from gcm_learn.arms import CHAIN
 from gcm_learn.cli import main
 from gcm_learn.errors import ArmKindError, RecallError
 from gcm_learn.families import family_from_dict
-from gcm_learn.planners import plan_to_json
 from gcm_learn.recall.headings import heading_of, nearest_target
-from gcm_learn.referee import judge
 from gcm_learn.scene import pack
 from gcm_learn.scene.bodies import pose_at
 from gcm_learn.situation import situation_to_json, write_situations
 from gcm_learn.situation.laws import carried
+from tests.judging import judge
 
 FAMILY = "panda-easy"
 
@@ -58,11 +57,6 @@ def fitting_turn(situation, plan):
     values = plan.trajectory.joints[:, 0]
     down, up = low - values.min(), high - values.max()
     return 0.9 * (up if up > -down else down)
-
-
-def complaints(situation, plan):
-    """What the referee of chains finds wrong with a plan."""
-    return judge(situation_to_json(situation), plan_to_json(plan, situation))
 
 
 def test_a_turn_about_the_first_joint_changes_nothing_but_its_range():
@@ -116,7 +110,7 @@ def test_the_command_solves_with_the_memory_of_a_folder(tmp_path, capsys):
     assert main(["solve", *given]) == 0
     solution = json.loads(capsys.readouterr().out)
     assert solution["status"] == "caught" and solution["planner"] == "recall"
-    assert judge(situation_to_json(situation), solution) == []
+    assert referee.judge(situation_to_json(situation), solution) == []
 
 
 def test_a_memory_of_a_chain_recalls_its_own_catches():
@@ -125,7 +119,7 @@ def test_a_memory_of_a_chain_recalls_its_own_catches():
         found = planner.recollect(situation)
         own += found.memory == k
         if found.plan.caught:
-            assert complaints(situation, found.plan) == []
+            assert judge(situation, found.plan) == []
     assert own > 0.7 * len(catches())
 
 
@@ -140,7 +134,7 @@ def test_recall_and_hybrid_catch_in_situations_that_are_new():
             assert plan.planner == name
             if plan.caught:
                 caught[name] += 1
-                assert complaints(situation, plan) == []
+                assert judge(situation, plan) == []
     assert caught["hybrid"] >= caught["recall"] >= 3
 
 
@@ -152,5 +146,5 @@ def test_a_memory_without_limits_serves_chains_with_limits_of_acceleration():
         plan = planner.plan(situation)
         if plan.caught:
             caught += 1
-            assert plan.trajectory.rates is not None and complaints(situation, plan) == []
+            assert plan.trajectory.rates is not None and judge(situation, plan) == []
     assert caught >= 3
