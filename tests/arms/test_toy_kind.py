@@ -56,8 +56,9 @@ def as_chain(arm):
     ]
     hand = {"joint": 3, "point": [0, 0, 0], "axis": [0, 0, -1]}
     base = {"origin": list(arm.base.origin), "rotation": list(arm.base.rotation)}
-    given = {"kind": "chain", "model": {"joints": joints, "links": links, "hand": hand}}
-    return given | {"base": base, "posture": list(arm.joints), "grasp": arm.grasp}
+    model = {"format": "gcm-learn/arm@1", "joints": joints, "links": links, "hand": hand}
+    given = {"kind": "chain", "model": model, "base": base}
+    return given | {"posture": list(arm.joints), "grasp": arm.grasp}
 
 
 def flying(role, shape, place, velocity=(0.0, 0.0, 0.0)):
