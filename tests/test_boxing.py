@@ -7,18 +7,18 @@ import sys
 import textwrap
 
 from gcm_learn.compiled import njit
-from gcm_learn.planners.sipp import Catch
+from gcm_learn.planners.sipp_labels import SearchEnd
 
 
 @njit
 def caught(time):
-    return Catch(time, 1, 2.0, 3.0, 4.0, 5), 6
+    return SearchEnd(time, 1, 2.0, 3.0, 4.0, 5), 6
 
 
 def test_named_tuples_keep_their_class_and_fields():
     made, number = caught(0.5)
-    assert isinstance(made, Catch) and number == 6
-    assert made == Catch(0.5, 1, 2.0, 3.0, 4.0, 5) and made.time == 0.5
+    assert isinstance(made, SearchEnd) and number == 6
+    assert made == SearchEnd(0.5, 1, 2.0, 3.0, 4.0, 5) and made.time == 0.5
 
 
 INTERRUPTED = """
