@@ -19,7 +19,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Judge two files; print a line for each complaint, then the counts."""
     given = _parser().parse_args(arguments)
     try:
-        count, verdicts = judge_files(given.situations, given.solutions)
+        count, verdicts = judge_files(given.situations, given.solutions, given.end)
         found = _judged(verdicts, quiet=given.json)
     except Unreadable as error:
         print(f"gcm_learn.referee: {error}", file=sys.stderr)
@@ -41,6 +41,8 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("situations", type=Path, help="situations, .json or .jsonl")
     parser.add_argument("solutions", type=Path, help="their solutions, .json or .jsonl")
+    ends = "judge situations of arms in space as @4 that end at rest"
+    parser.add_argument("--end", choices=["rest"], help=ends)
     parser.add_argument("--json", action="store_true", help="print one object")
     return parser
 

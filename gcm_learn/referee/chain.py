@@ -170,15 +170,22 @@ class Geometry:
 class ChainMotion:
     """Links of a chain along a curve in the joints."""
 
-    def __init__(self, geometry: Geometry, curve: Curve, size: float) -> None:
+    def __init__(
+        self,
+        geometry: Geometry,
+        curve: Curve,
+        size: float,
+        window: tuple[float, float] | None = None,
+    ) -> None:
         self.geometry, self.curve, self.size = geometry, curve, size
+        self.window = window or (0.0, float(curve.knots[-1]))
         self.radii, self.pairs = geometry.radii, geometry.pairs
         self._joint_ways = curve.ways()
 
     def starts(self) -> Array:
-        """Return equal intervals of the whole movement."""
-        end = self.curve.knots[-1]
-        return np.linspace(0.0, end, COARSE + 1) if end > 0.0 else np.zeros(2)
+        """Return equal intervals of the time that counts."""
+        first, last = self.window
+        return np.linspace(first, last, COARSE + 1 if last > first else 2)
 
     def ends(self, times: Array) -> Array:
         """Return both ends (k, links, 2, 3) of the links' axes at times (k,)."""

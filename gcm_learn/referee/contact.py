@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Set
 from dataclasses import dataclass
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -48,6 +48,16 @@ class Motion(Protocol):
     def pair_ways(self, low: Array, middle: Array, high: Array) -> Array:
         """Return bounds (k, m) of the ways of pairs relative to each other."""
         ...
+
+
+class Watched(NamedTuple):
+    """A movement of links, and what does not count."""
+
+    motion: Motion
+    ignored: Set[tuple[int, str]]
+    """Links and obstacles that are not checked."""
+    carried: str = ""
+    """Name of a carried target, which is the only link; empty for links of the arm."""
 
 
 @dataclass(frozen=True)
@@ -105,8 +115,9 @@ def nearest_obstacle(
     floor: float,
     close: float,
     work: int = WORK,
+    margins: bool = False,
 ) -> Nearest:
-    """Return the least distance of links and obstacles.
+    """Return the least distance of links and obstacles, less the obstacles' margins if so asked.
 
     Parameters
     ----------
@@ -118,6 +129,7 @@ def nearest_obstacle(
         Intervals that are examined at most.
     """
     obstacles = [body for body in bodies if body.role == "obstacle"]
+    now, rate = np.array([o.margin if margins else (0.0, 0.0) for o in obstacles] or [(0, 0)]).T
     links = range(len(motion.radii))
     pairs = [
         (i, k) for k, body in enumerate(obstacles) for i in links if (i, body.name) not in ignored
@@ -136,7 +148,9 @@ def nearest_obstacle(
         centre, turn = _poses(obstacles, middle)
         way = motion.ways(low, middle, high)[place, i]
         way += np.stack([o.ways(low, middle, high) for o in obstacles])[b, place]
-        off = point_apart(centre[b, place], axis[:, 0], axis[:, 1]) - motion.radii[i]
+        thick = motion.radii[i] + now[b] + rate[b] * middle[place]
+        way += 0.5 * rate[b] * (high - low)[place]
+        off = point_apart(centre[b, place], axis[:, 0], axis[:, 1]) - thick
         upper = min(upper, float(off[centred[b]].min(initial=np.inf)))
         gap = off - np.array([o.ball for o in obstacles])[b]
         near = ~(gap - way >= _cut(min(best.gap, upper), close, floor))  # NaN is near
@@ -145,7 +159,7 @@ def nearest_obstacle(
             if len(rows) and obstacle.shape["kind"] != "sphere":
                 ends = axis[rows].transpose(1, 0, 2)
                 ends = [into(centre[k, place[rows]], turn[k, place[rows]], end) for end in ends]
-                gap[rows] = segment_gaps(obstacle.shape, *ends) - motion.radii[i[rows]]
+                gap[rows] = segment_gaps(obstacle.shape, *ends) - thick[rows]
         rows = np.flatnonzero(near)
         if len(rows):
             k = rows[gap[rows].argmin()]

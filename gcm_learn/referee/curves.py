@@ -38,6 +38,11 @@ class Curve(NamedTuple):
         c, s = self.powers[piece], since[:, None]
         return c[:, :, 1] + s * (2.0 * c[:, :, 2] + 3.0 * s * c[:, :, 3])
 
+    def accelerations(self, piece: Array, since: Array) -> Array:
+        """Return second derivatives (k, joints) in pieces (k,) at times since their begin (k,)."""
+        c, s = self.powers[piece], since[:, None]
+        return 2.0 * c[:, :, 2] + 6.0 * s * c[:, :, 3]
+
     @property
     def spans(self) -> Array:
         """Durations (n,) of the pieces."""

@@ -1,10 +1,10 @@
-"""The form of solutions: fields, types, names, times and the list of catches."""
+"""The form of solutions: fields, types, names and times."""
 
 from __future__ import annotations
 
 import sys
 from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -20,13 +20,6 @@ NULL = ("catch_time", "catch_body", "clearance")
 """Fields that are null without a catch."""
 
 
-class Catch(NamedTuple):
-    """A target and when it is caught."""
-
-    body: str
-    time: float
-
-
 def is_number(value: Any) -> bool:
     """Tell if a value of JSON is a finite number."""
     if isinstance(value, bool) or not isinstance(value, int | float):
@@ -39,7 +32,7 @@ def fields(solution: Any, name: str, version: int) -> list[Complaint]:
     if not isinstance(solution, Mapping):
         return [Complaint("solution", "is not an object")]
     caught = solution.get("status") == "caught"
-    listed = ("catches",) if version == 3 else ()
+    listed = ("catches",) if version >= 3 else ()
     wanted = {*FIELDS, *listed, *(("trajectory",) if caught else ())}
     complaints = [Complaint(str(field), "is missing") for field in sorted(wanted - set(solution))]
     complaints += [
@@ -113,55 +106,4 @@ def times(time: Array, version: int) -> list[Complaint]:
     if wrong.any():
         at = float(time[wrong.argmax() + 1])
         complaints.append(Complaint("trajectory.time", "does not increase", at))
-    return complaints
-
-
-def catches_of(solution: Mapping[str, Any]) -> tuple[list[Catch], list[Complaint]]:
-    """Return the catches that a solution names, and complaints about their form."""
-    last = (solution["catch_body"], solution["catch_time"])
-    if not isinstance(last[0], str):
-        return [], [Complaint("catch_body", "is not a name")]
-    if not is_number(last[1]):
-        return [], [Complaint("catch_time", "is not a finite number")]
-    if "catches" not in solution:
-        return [Catch(*last)], []
-    given = solution["catches"]
-    if not isinstance(given, list) or not given:
-        return [], [Complaint("catches", "is not a list of at least one catch")]
-    for entry in given:
-        if not isinstance(entry, Mapping) or set(entry) != {"body", "time"}:
-            return [], [Complaint("catches", "has an entry that is not body and time")]
-        if not isinstance(entry["body"], str) or not is_number(entry["time"]):
-            return [], [Complaint("catches", "has an entry without a name or a finite time")]
-    catches = [Catch(entry["body"], entry["time"]) for entry in given]
-    tests = (("catch_body", last[0], catches[-1].body), ("catch_time", last[1], catches[-1].time))
-    odd = [Complaint(name, "is not the last catch's") for name, mine, its in tests if mine != its]
-    return catches, odd
-
-
-def catch_complaints(
-    situation: Mapping[str, Any], catches: list[Catch], time: Array
-) -> list[Complaint]:
-    """Return complaints about names, times, order and number of catches."""
-    targets = [body["name"] for body in situation["bodies"] if body["role"] == "target"]
-    unknown = [catch for catch in catches if catch.body not in targets]
-    if unknown:
-        return [Complaint("catch_body", f"{c.body} is not a target", c.time) for c in unknown]
-    order = [(catch.time, targets.index(catch.body)) for catch in catches]
-    samples, last = set(time.tolist()), catches[-1].time
-    asked = situation.get("catch", "any")
-    count = {"any": 1, "all": len(targets)}.get(asked, len(catches))
-    tests = (
-        (len({catch.body for catch in catches}) == len(catches), "catch a target twice"),
-        (order == sorted(order), "are not in order of time"),
-        (all(catch.time in samples for catch in catches), "are not all at samples"),
-        (len(catches) == count, f"are {len(catches)}, asked for: {asked}"),
-    )
-    complaints = [Complaint("catches", what) for kept, what in tests if not kept]
-    if time[-1] != last:
-        what = f"is not the end of the trajectory, {time[-1]:.9g} s"
-        complaints.append(Complaint("catch_time", what, last))
-    if max(catch.time for catch in catches) > situation["horizon"]:
-        what = f"is after the horizon, {situation['horizon']:g} s"
-        complaints.append(Complaint("catch_time", what, last))
     return complaints

@@ -3,22 +3,37 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from gcm_learn.referee.arm_files import check_model
+from gcm_learn.referee.carrying import Carry
+from gcm_learn.referee.catching import Catch
 from gcm_learn.referee.chain import ZERO, ChainMotion, Geometry, tree_of
-from gcm_learn.referee.contact import Motion
+from gcm_learn.referee.contact import Motion, Watched
 from gcm_learn.referee.curves import Curve, curve_of
-from gcm_learn.referee.limits import Limits, hand_complaints, joint_complaints
+from gcm_learn.referee.holding import Grip
+from gcm_learn.referee.limits import (
+    Limits,
+    hand_complaints,
+    jerk_complaints,
+    joint_complaints,
+)
 from gcm_learn.referee.motions import Body
-from gcm_learn.referee.rotations import Array, rotations, unit
-from gcm_learn.referee.situations import check_model
-from gcm_learn.referee.tolerances import AT_LIMIT, TOLERANCES, Complaint, Tolerances, Unreadable
+from gcm_learn.referee.rotations import Array, angle_of, rotations, unit
+from gcm_learn.referee.tolerances import (
+    AT_LIMIT,
+    RESTING,
+    TOLERANCES,
+    Complaint,
+    Tolerances,
+    Unreadable,
+)
 
 SHIPPED = Path(__file__).parents[1] / "arms" / "models"
 
@@ -51,9 +66,11 @@ class JointArm:
     """Direction (3,) along which the hand reaches, in the frame of its joint."""
     posture: Array
     rates: Array
+    accelerations: Array
+    """Of the coordinates (n,) at t = 0."""
     grasp: float
     ignored: set[tuple[int, str]]
-    signed = True
+    ends_at_rest: bool = False
 
     @property
     def size(self) -> float:
@@ -72,6 +89,13 @@ class JointArm:
         """Return the movement of the links."""
         return [ChainMotion(self.geometry, _curve(columns), self.size)]
 
+    def carried(self, columns: Columns, body: Body, catch: Catch) -> list[Watched]:
+        """Return the movement of a target in the hand, in parts by what does not count."""
+        if catch.placed is None:
+            return []
+        joint = self.points["hand"][0]
+        return Carry(self.geometry, _curve(columns), joint, body, catch).watched(self.size)
+
     def resting(self) -> Motion:
         """Return the links at t = 0."""
         curve = curve_of(np.zeros(1), self.posture[None])
@@ -81,7 +105,11 @@ class JointArm:
         """Return complaints about start, places and limits."""
         curve, granted = _curve(columns), self.granted
         complaints = [*self._start(columns), *self._places(columns)]
-        complaints += joint_complaints(self.limits, self.geometry.followed(curve), granted)
+        followed = self.geometry.followed(curve)
+        complaints += joint_complaints(self.limits, followed, granted)
+        complaints += jerk_complaints(self.limits, curve, followed, self.accelerations)
+        if self.ends_at_rest:
+            complaints += self._restless(columns, columns["time"][-1])
         hand = self.points["hand"]
         limit = self.limits.hand_speed
         return complaints + hand_complaints(limit, self.geometry, curve, hand, granted.limit)
@@ -109,30 +137,33 @@ class JointArm:
                 complaints.append(Complaint(f"trajectory.{name}", what, at))
         return complaints
 
-    def missed(self, columns: Columns, body: Body, time: float) -> list[str]:
-        """Return complaints about a catch of a body at a time."""
-        joint, point = self.points["hand"]
-        joints = _curve(columns).joints(np.array([time]))
-        hand = self.geometry.point(joints, joint, point)
-        away, granted = float(body.gaps(time, hand)[0]), self.granted
-        slack = granted.grasp * max(self.size, float(np.abs(hand).max()))
-        if granted.grasp_absolute:
-            slack = granted.grasp_absolute * max(1.0, self.grasp)
-        words = []
-        if not away <= self.grasp + slack:
-            words.append(f"misses {body.name}: {away:.9g} away, grasp {self.grasp:g}")
-        if body.approach is not None:
-            axis = self.geometry.direction(joints, joint, self.axis)[0]
-            words += self._approached(body, body.poses(np.array([time]))[1][0], axis)
-        return words
+    def missed(self, columns: Columns, body: Body, catch: Catch) -> list[Complaint]:
+        """Return complaints about a catch of a body, its hold and its placing."""
+        granted, curve = self.granted, _curve(columns)
+        reach = self.size + float(np.linalg.norm(self.geometry.base[0]))
+        slack = granted.grasp_absolute * max(1.0, self.grasp) or granted.grasp * reach
+        grip = Grip(self.geometry, curve, self.points["hand"], self.axis, body)
+        last = catch.time if catch.held_until is None else catch.held_until
+        complaints = grip.complaints(self.grasp, slack, granted.grasp_absolute, catch.time, last)
+        if catch.placed is None:
+            return complaints
+        carry = Carry(self.geometry, curve, self.points["hand"][0], body, catch)
+        return [*complaints, *carry.misplaced(), *self._restless(columns, catch.placed)]
 
-    def _approached(self, body: Body, turn: Array, axis: Array) -> list[str]:
-        assert body.approach is not None
-        wanted, within = turn @ unit(body.approach["axis"]), float(body.approach["within"])
-        angle = float(np.arctan2(np.linalg.norm(np.cross(wanted, axis)), wanted @ axis))
-        if angle <= within + self.granted.grasp_absolute * max(1.0, within):
-            return []
-        return [f"approaches {body.name} at an angle of {angle:.9g}, allowed {within:g}"]
+    def _restless(self, columns: Columns, time: float) -> list[Complaint]:
+        """Return complaints if the arm does not rest at a sample."""
+        k, limits = int(np.searchsorted(columns["time"], time)), self.limits
+        tests = [("moves", columns["rates"][k], RESTING[0] * limits.speed[limits.own])]
+        if limits.jerk is not None and limits.acceleration is not None:
+            curve, last = _curve(columns), np.array([k - 1])
+            found = curve.accelerations(last, curve.spans[last])[0] if k else self.accelerations
+            most = RESTING[1] * limits.acceleration[limits.own]
+            tests.append(("accelerates", found, most))
+        return [
+            Complaint("trajectory.rates", f"coordinate {j} {word} where the arm should rest", time)
+            for word, values, most in tests
+            for j in np.flatnonzero(~(np.abs(values) <= most))
+        ]
 
 
 def _curve(columns: Columns) -> Curve:
@@ -142,7 +173,7 @@ def _curve(columns: Columns) -> Curve:
 # --- reading ---------------------------------------------------------------------------------
 
 
-def read_chain(arm: Mapping[str, Any], models: Models) -> JointArm:
+def read_chain(arm: Mapping[str, Any], models: Models, version: int = 3) -> JointArm:
     """Return the chain of a situation.
 
     Parameters
@@ -156,14 +187,8 @@ def read_chain(arm: Mapping[str, Any], models: Models) -> JointArm:
     if isinstance(model, str):
         model = models[model] if model in models else shipped_model(model)
     check_model(model, arm)
-    leaders = [joint for joint in model["joints"] if "follows" not in joint]
-    own = [joint.get("max_acceleration") for joint in leaders]
-    acceleration = arm.get("max_acceleration", None if own[0] is None else own)
-    return _arm(
-        3, model, arm.get("base"), arm["posture"], arm.get("rates"), acceleration,
-        arm.get("max_hand_speed"), arm["grasp"], _ignored(arm.get("ignore") or (), model["links"]),
-        {"hand": (model["hand"]["joint"], model["hand"]["point"])},
-    )  # fmt: skip
+    points = {"hand": (model["hand"]["joint"], model["hand"]["point"])}
+    return _arm(version, model, arm, points)
 
 
 def _ignored(pairs: Any, links: Any) -> list[tuple[int, str]]:
@@ -191,45 +216,84 @@ def read_spatial(version: int, arm: Mapping[str, Any]) -> JointArm:
     links = [{"joint": k, "from": ZERO, "to": bone, "radius": thick} for k, bone in bones]
     hand = {"joint": 4, "point": fore, "axis": fore}
     elbow = {"elbow": (2, upper)} if version == 2 else {}
-    return _arm(
-        version, {"joints": joints, "links": links, "hand": hand}, arm.get("base"), arm["joints"],
-        arm.get("joint_rates"), arm.get("max_joint_acceleration"), arm.get("max_hand_speed"),
-        arm["grasp"], (), {"hand": (4, fore), **elbow},
-    )  # fmt: skip
+    named = {
+        "posture": "joints", "rates": "joint_rates", "accelerations": "joint_accelerations",
+        "max_acceleration": "max_joint_acceleration", "max_jerk": "max_joint_jerk",
+    }  # fmt: skip
+    chain = {**arm, **{mine: arm.get(its) for mine, its in named.items()}}
+    model = {"joints": joints, "links": links, "hand": hand}
+    return _arm(version, model, chain, {"hand": (4, fore), **elbow})
+
+
+def asked(situation: Mapping[str, Any], arm: JointArm) -> JointArm:
+    """Return the arm of a situation of version 4, refused if holds or end need more than it has."""
+    rests, limited = situation.get("end") == "rest", arm.limits.acceleration is not None
+    if rests and not limited:
+        raise Unreadable("end: rest needs limits of acceleration")
+    for k, body in enumerate(situation["bodies"]):
+        if "hold" in body and not limited:
+            raise Unreadable(f"bodies[{k}].hold: needs limits of acceleration")
+        approach = body.get("approach")
+        if isinstance(approach, list) and len(approach) == 2:
+            hands, axes = (
+                [unit(each.get(name, arm.axis)) for each in approach] for name in ("hand", "axis")
+            )
+            apart = abs(angle_of(*hands) - angle_of(*axes))
+            if apart > sum(each["within"] for each in approach):
+                raise Unreadable(f"bodies[{k}].approach: no hand can keep both")
+    return replace(arm, ends_at_rest=rests)
 
 
 def _arm(
     version: int,
     model: Mapping[str, Any],
-    base: Mapping[str, Any] | None,
-    posture: Any,
-    rates: Any,
-    acceleration: Any,
-    hand_speed: float | None,
-    grasp: float,
-    ignored: Iterable[tuple[int, str]],
+    arm: Mapping[str, Any],
     points: Mapping[str, tuple[int, Any]],
 ) -> JointArm:
     joints = model["joints"]
-    first = _started(posture, [joint["range"] for joint in joints if "follows" not in joint])
-    low, high = np.array([joint["range"] for joint in joints], dtype=float).T
-    limits = Limits(
-        low,
-        high,
-        speed=np.array([joint["max_speed"] for joint in joints], dtype=float),
-        acceleration=None if acceleration is None else _accelerations(joints, acceleration),
-        hand_speed=hand_speed,
+    own = [k for k, joint in enumerate(joints) if "follows" not in joint]
+    first = _started(arm["posture"], [joints[k]["range"] for k in own])
+    rest = np.zeros(len(own))
+    rates, accelerations = (
+        rest if arm.get(name) is None else np.array(arm[name], dtype=float)
+        for name in ("rates", "accelerations")
     )
+    geometry, limits = _geometry(model, arm.get("base") or {}), _limits(version, joints, arm, own)
+    if limits.acceleration is not None:
+        beyond = np.abs(geometry.lines[0] @ accelerations) - limits.acceleration
+        if not (beyond <= 1e-6 * limits.acceleration).all():
+            raise Unreadable("arm.accelerations: are beyond their limits")
     return JointArm(
         granted=TOLERANCES[version],
-        geometry=_geometry(model, base or {}),
+        geometry=geometry,
         limits=limits,
         points={name: (k, np.array(place, float)) for name, (k, place) in points.items()},
         axis=unit(model["hand"].get("axis", (0.0, 0.0, 1.0))),
         posture=first,
-        rates=np.zeros(len(first)) if rates is None else np.array(rates, dtype=float),
-        grasp=grasp,
-        ignored=set(ignored),
+        rates=rates,
+        accelerations=accelerations,
+        grasp=arm["grasp"],
+        ignored=set(_ignored(arm.get("ignore") or (), model["links"])),
+    )
+
+
+def _limits(version: int, joints: Any, arm: Mapping[str, Any], own: list[int]) -> Limits:
+    low, high = np.array([joint["range"] for joint in joints], dtype=float).T
+    acceleration = _of_all("max_acceleration", joints, arm, own)
+    limited = version > 3 and acceleration is not None
+    jerk = _of_all("max_jerk", joints, arm, own) if limited else None
+    if acceleration is None and arm.get("max_jerk") is not None:
+        raise Unreadable("arm.max_jerk: needs limits of acceleration")
+    if version > 3 and jerk is None and arm.get("accelerations") is not None:
+        raise Unreadable("arm.accelerations: needs limits of jerk")
+    return Limits(
+        low,
+        high,
+        speed=np.array([joint["max_speed"] for joint in joints], dtype=float),
+        acceleration=acceleration,
+        hand_speed=arm.get("max_hand_speed"),
+        jerk=jerk,
+        own=own,
     )
 
 
@@ -241,14 +305,14 @@ def _started(posture: Any, ranges: Any) -> Array:
     return np.where(near, bound, given)
 
 
-def _accelerations(joints: Any, given: Any) -> Array:
-    """Return the limits (m,) of all joints by the limits (n,) of the coordinates."""
-    left = iter(given)
-    limits = [
-        joint.get("max_acceleration", UNLIMITED) if "follows" in joint else next(left)
-        for joint in joints
-    ]
-    return np.array(limits, dtype=float)
+def _of_all(name: str, joints: Any, arm: Mapping[str, Any], own: list[int]) -> Array | None:
+    """Return the limits (m,) of all joints; a situation gives limits of coordinates only."""
+    given = arm.get(name, [joints[k].get(name) for k in own])
+    if given is None or given[0] is None:
+        return None
+    limits = np.array([joint.get(name, UNLIMITED) for joint in joints], dtype=float)
+    limits[own] = given
+    return limits
 
 
 def _geometry(model: Mapping[str, Any], base: Mapping[str, Any]) -> Geometry:

@@ -10,14 +10,16 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from gcm_learn.referee import form
-from gcm_learn.referee.contact import Nearest, nearest_obstacle, overlap
+from gcm_learn.referee.catching import catch_complaints, catches_of
+from gcm_learn.referee.contact import Watched, nearest_obstacle, overlap
 from gcm_learn.referee.joint_arms import Models
-from gcm_learn.referee.kinds import Arm, Columns, arm_of, checked, version_of
+from gcm_learn.referee.kinds import Arm, arm_of, checked, ended, version_of
 from gcm_learn.referee.motions import Body, bodies_of
-from gcm_learn.referee.tolerances import WORK, WORK_BROKEN, Complaint, Unreadable
+from gcm_learn.referee.tolerances import AFTERWARDS, WORK, WORK_BROKEN, Complaint, Unreadable
 
 EXACT = 4.0
 """Share of the clearance's tolerance by which the referee's own may be too large, inverted."""
+MARGIN = "are nearer than the margin"
 
 
 class Verdict(NamedTuple):
@@ -29,41 +31,54 @@ class Verdict(NamedTuple):
 
 
 def judge(
-    situation: Mapping[str, Any], solution: Mapping[str, Any], models: Models | None = None
+    situation: Mapping[str, Any],
+    solution: Mapping[str, Any],
+    models: Models | None = None,
+    end: str | None = None,
 ) -> list[Complaint]:
     """Return all promises of the exchange contract that a solution breaks.
 
     Parameters
     ----------
     situation : mapping
-        Object of the format ``gcm-learn/situation@1``, ``@2`` or ``@3``.
+        Object of the format ``gcm-learn/situation@1`` to ``@4``.
     solution : mapping
         Its answer, of the format ``gcm-learn/solution`` of the same version.
     models : mapping, optional
         Objects of arm files, by what situations call them; others are those that ship.
+    end : {"rest"}, optional
+        Judge as if the situation, of version 2 to 4, were one of version 4 that ends so.
 
     Raises
     ------
     Unreadable
         If the situation is not of its format.
     """
-    return examine(situation, solution, models).complaints
+    return examine(situation, solution, models, end).complaints
 
 
 def examine(
-    situation: Mapping[str, Any], solution: Mapping[str, Any], models: Models | None = None
+    situation: Mapping[str, Any],
+    solution: Mapping[str, Any],
+    models: Models | None = None,
+    end: str | None = None,
 ) -> Verdict:
     """Return complaints as `judge` does, and the clearance of the movement."""
+    situation = ended(situation, end)
     arm, version = arm_of(situation, models or {}), version_of(situation)
     name = situation.get("name", "")
-    bodies = bodies_of(situation["bodies"], _end(solution, situation["horizon"]))
+    bodies = bodies_of(situation["bodies"], _end(solution, situation["horizon"], version))
     verdict = _verdict(situation, solution, version, arm, bodies)
     return Verdict([replace(c, name=name) for c in verdict.complaints], verdict.clearance)
 
 
-def _end(solution: Any, horizon: float) -> float:
+def _end(solution: Any, horizon: float, version: int) -> float:
     """Return the time until which the motion of bodies is needed."""
     given: Any = solution.get("catch_time") if isinstance(solution, Mapping) else None
+    if version > 3 and isinstance(solution, Mapping):
+        path, horizon = solution.get("trajectory"), horizon + AFTERWARDS
+        times = path.get("time") if isinstance(path, Mapping) else None
+        given = times[-1] if isinstance(times, list) and times else None
     return min(float(given), horizon) if form.is_number(given) else 0.0
 
 
@@ -80,20 +95,22 @@ def _verdict(
     if solution["status"] != "caught":
         return Verdict(_start(arm, bodies, solution["status"]), None)
     columns, complaints = form.columns_of(solution["trajectory"], arm.columns)
-    catches, more = form.catches_of(solution)
+    catches, more = catches_of(solution, situation)
     complaints += more
     if columns and not complaints:
         complaints += form.times(columns["time"], version)
-        complaints += form.catch_complaints(situation, catches, columns["time"])
+        catches, more = catch_complaints(situation, catches, columns["time"], version)
+        complaints += more
     if complaints:
         return Verdict(complaints, None)
     complaints = arm.complaints(columns)
+    watched = [Watched(motion, arm.ignored) for motion in arm.readings(columns)]
     for catch in catches:
         body = next(b for b in bodies if b.name == catch.body and b.role == "target")
-        words = arm.missed(columns, body, catch.time)
-        complaints += [Complaint("catch_body", what, catch.time) for what in words]
+        complaints += arm.missed(columns, body, catch)
+        watched += arm.carried(columns, body, catch)
     work = WORK_BROKEN if complaints else WORK
-    found, more = _contacts(arm, bodies, columns, solution["clearance"], work)
+    found, more = _contacts(arm, bodies, watched, solution["clearance"], work)
     return Verdict([*complaints, *more], found)
 
 
@@ -105,7 +122,7 @@ def _floor(arm: Arm) -> float:
 def _start(arm: Arm, bodies: list[Body], status: str) -> list[Complaint]:
     """Return complaints about an answer without a catch: the start is blocked or it is not."""
     motion, hair = arm.resting(), arm.granted.blocked
-    outside = nearest_obstacle(motion, bodies, arm.ignored, -math.inf, 0.0)
+    outside = nearest_obstacle(motion, bodies, arm.ignored, -math.inf, 0.0, margins=True)
     itself = overlap(motion, hair)
     free = min(outside.gap, itself.gap)
     if status == "start_blocked" and free > hair:
@@ -116,25 +133,29 @@ def _start(arm: Arm, bodies: list[Body], status: str) -> list[Complaint]:
 
 
 def _contacts(
-    arm: Arm, bodies: list[Body], columns: Columns, reported: Any, work: int
+    arm: Arm, bodies: list[Body], watched: list[Watched], reported: Any, work: int
 ) -> tuple[float | None, list[Complaint]]:
     """Return the clearance, and complaints about contacts and about the reported clearance."""
     complaints: list[Complaint] = []
-    close = arm.granted.clearance * arm.size
-    nearest = Nearest()
-    for k, motion in enumerate(arm.readings(columns)):
-        error = math.inf if k else close / EXACT
-        found = nearest_obstacle(motion, bodies, arm.ignored, _floor(arm), error, work)
-        nearest = nearest if k else found
-        for each in (found, overlap(motion, _floor(arm), work)):
+    close, floor = arm.granted.clearance * arm.size, _floor(arm)
+    kept = [body for body in bodies if any(body.margin)]
+    least = math.inf
+    for k, (motion, ignored, carried) in enumerate(watched):
+        error = close / EXACT if carried or not k else math.inf
+        found = nearest_obstacle(motion, bodies, ignored, floor, error, work)
+        least = min(least, found.gap) if carried or not k else least
+        near = nearest_obstacle(motion, kept, ignored, floor, math.inf, work, margins=True)
+        tests = ((found, "touch"), (overlap(motion, floor, work), "touch"), (near, MARGIN))
+        for each, words in tests:
             if not each.settled:
                 complaints.append(Complaint("trajectory", "contact cannot be decided"))
-            elif each.gap < _floor(arm):
-                what = f"{each.what} touch, {-each.gap:g} deep"
+            elif each.gap < floor:
+                named = each.what.replace("link 0", carried, 1) if carried else each.what
+                what = f"{named} {words}, {-each.gap:g} deep"
                 complaints.append(Complaint("trajectory", what, each.at))
         if complaints:
             break
-    free = None if math.isinf(nearest.gap) else nearest.gap
+    free = None if math.isinf(least) else least
     most = close if arm.granted.compares_clearance else math.inf
     return free, complaints or _clearance(free, reported, most)
 
@@ -207,7 +228,9 @@ def models_of(situation: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     return {name: read(folder / name)[0][1]}
 
 
-def judge_files(situations: Path, solutions: Path) -> tuple[int, Iterator[list[Complaint]]]:
+def judge_files(
+    situations: Path, solutions: Path, end: str | None = None
+) -> tuple[int, Iterator[list[Complaint]]]:
     """Return the number of situations, and an iterator over the complaints of each.
 
     The last list has the complaints about answers to no situation.
@@ -225,11 +248,11 @@ def judge_files(situations: Path, solutions: Path) -> tuple[int, Iterator[list[C
     by_name: dict[str, list[Any]] = {}
     for _, answer in answers:
         by_name.setdefault(str(answer.get("name", "")), []).append(answer)
-    return len(asked), _verdicts(asked, by_name, situations.parent)
+    return len(asked), _verdicts(asked, by_name, situations.parent, end)
 
 
 def _verdicts(
-    asked: list[Place], answers: dict[str, list[Any]], folder: Path
+    asked: list[Place], answers: dict[str, list[Any]], folder: Path, end: str | None
 ) -> Iterator[list[Complaint]]:
     for place, situation in asked:
         try:
@@ -237,7 +260,7 @@ def _verdicts(
             name = str(situation.get("name", ""))
             given = answers.pop(name, [])
             if len(given) == 1:
-                yield judge(situation, given[0], models_of(situation, folder))
+                yield judge(situation, given[0], models_of(situation, folder), end)
             else:
                 what = f"has {len(given)} answers" if given else "has no answer"
                 yield [Complaint("name", what, name=name)]

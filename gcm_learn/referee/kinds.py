@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Set
 from typing import Any, Protocol
 
-from gcm_learn.referee.contact import Motion
-from gcm_learn.referee.joint_arms import Models, read_chain, read_spatial
+from gcm_learn.referee.catching import Catch
+from gcm_learn.referee.contact import Motion, Watched
+from gcm_learn.referee.joint_arms import Models, asked, read_chain, read_spatial
 from gcm_learn.referee.motions import Body
 from gcm_learn.referee.planar_arm import read_planar
 from gcm_learn.referee.rotations import Array
@@ -57,8 +58,12 @@ class Arm(Protocol):
         """Return complaints about the movement itself."""
         ...
 
-    def missed(self, columns: Columns, body: Body, time: float) -> list[str]:
-        """Return complaints about a catch of a body at a time."""
+    def carried(self, columns: Columns, body: Body, catch: Catch) -> list[Watched]:
+        """Return the movement of a target in the hand, in parts by what does not count."""
+        ...
+
+    def missed(self, columns: Columns, body: Body, catch: Catch) -> list[Complaint]:
+        """Return complaints about a catch of a body, its hold and its placing."""
         ...
 
 
@@ -67,6 +72,10 @@ KINDS: dict[tuple[int, str], Callable[[Mapping[str, Any], Models], Arm]] = {
     (2, "spatial"): lambda situation, models: read_spatial(2, situation["arm"]),
     (3, "spatial"): lambda situation, models: read_spatial(3, situation["arm"]),
     (3, "chain"): lambda situation, models: read_chain(situation["arm"], models),
+    (4, "spatial"): lambda situation, models: asked(situation, read_spatial(4, situation["arm"])),
+    (4, "chain"): lambda situation, models: asked(
+        situation, read_chain(situation["arm"], models, 4)
+    ),
 }
 """Readers by version of the format and kind of arm."""
 
@@ -86,6 +95,15 @@ def arm_of(situation: Mapping[str, Any], models: Models) -> Arm:
     """Return the arm of a situation, which is checked first."""
     version, kind = checked(situation)
     return KINDS[version, kind](situation, models)
+
+
+def ended(situation: Mapping[str, Any], end: str | None) -> Mapping[str, Any]:
+    """Return a situation of version 2 to 4 as one of version 4 that ends so."""
+    if end is None:
+        return situation
+    if checked(situation)[0] < 2:
+        raise Unreadable("end: planar arms have no limits of acceleration")
+    return {**situation, "format": f"{FORMAT}4", "end": end}
 
 
 def checked(situation: Mapping[str, Any]) -> tuple[int, str]:

@@ -9,18 +9,29 @@ import numpy as np
 from gcm_learn.referee.chain import Geometry
 from gcm_learn.referee.curves import Curve
 from gcm_learn.referee.rotations import Array
-from gcm_learn.referee.tolerances import ROUNDING, WORK, Complaint, Tolerances
+from gcm_learn.referee.tolerances import (
+    JERK,
+    MOMENT,
+    ROUNDING,
+    SHORTEST,
+    WORK,
+    Complaint,
+    Tolerances,
+)
 
 
 @dataclass(frozen=True)
 class Limits:
-    """Limits of an arm with m joints."""
+    """Limits of an arm with m joints, of which n are coordinates."""
 
     low: Array
     high: Array
     speed: Array
     acceleration: Array | None
     hand_speed: float | None
+    jerk: Array | None
+    own: list[int]
+    """Joints (n,) that are coordinates."""
 
 
 def joint_complaints(limits: Limits, curve: Curve, granted: Tolerances) -> list[Complaint]:
@@ -35,10 +46,35 @@ def joint_complaints(limits: Limits, curve: Curve, granted: Tolerances) -> list[
     if limits.acceleration is not None:
         most = limits.acceleration * (1.0 + 2.0 * share) + 8.0 * ROUNDING * size / span**2
         most -= limits.acceleration * granted.limit
+        if limits.jerk is not None:
+            most = limits.acceleration * (1.0 + granted.limit) + _grain(curve) / span**2
         hard = curve.most(2)
         complaints += _beyond("accelerates too much", curve, hard, most, limits.acceleration)
         complaints += _leaps(limits.acceleration, curve, granted)
     return complaints
+
+
+def jerk_complaints(limits: Limits, curve: Curve, followed: Curve, first: Array) -> list[Complaint]:
+    """Return complaints about jerk and jumps of accelerations, which begin as first (n,)."""
+    if limits.jerk is None or limits.acceleration is None or not curve.spans.any():
+        return []
+    span, complaints = curve.spans[:, None], []
+    if not span.min() >= SHORTEST * (1.0 - MOMENT):
+        at = float(curve.knots[span.argmin()])
+        complaints.append(Complaint("trajectory.time", f"a piece lasts {span.min():g} s", at))
+    most = limits.jerk * (1.0 + JERK) + _grain(followed) / span**3
+    complaints += _beyond("jerks too much", followed, followed.most(3), most, limits.jerk)
+    piece = np.arange(len(span))
+    before = np.concatenate([first[None], curve.accelerations(piece, curve.spans)[:-1]])
+    shorter = np.minimum(span, np.concatenate([span[:1], span[:-1]]))
+    most = JERK * limits.acceleration[limits.own] + _grain(curve) / shorter**2
+    jumps = np.abs(curve.accelerations(piece, np.zeros(len(piece))) - before)
+    return complaints + _beyond("jumps in its acceleration", curve, jumps, most, most.max(axis=0))
+
+
+def _grain(curve: Curve) -> float:
+    """Return what rounding of joints leaves in their differences."""
+    return ROUNDING * max(1.0, float(np.abs(curve.powers[:, :, 0]).max()))
 
 
 def _leaps(limit: Array, curve: Curve, granted: Tolerances) -> list[Complaint]:
@@ -111,7 +147,8 @@ def _fastest(
 
     A chord plus its bow bounds the square: half the square's second derivative is bounded.
     """
-    first, bow = _bounds(geometry, curve, hand)
+    (first, second, third), _ = point_bounds(geometry, curve, hand)
+    bow = second**2 + first * third
     piece = np.flatnonzero(~(first**2 <= most))
     low, high = np.zeros(len(piece)), curve.spans[piece]
     spent = 0
@@ -141,8 +178,10 @@ def _square(
     return (geometry.velocity(joints, rates, *hand) ** 2).sum(axis=1)
 
 
-def _bounds(geometry: Geometry, curve: Curve, hand: tuple[int, Array]) -> tuple[Array, Array]:
-    """Return bounds (n,) of the hand's speed, and of half the second derivative of its square.
+def point_bounds(
+    geometry: Geometry, curve: Curve, hand: tuple[int, Array]
+) -> tuple[tuple[Array, Array, Array], tuple[Array, Array, Array]]:
+    """Return bounds (n,) of three derivatives of a point, and of the angles that turn its frame.
 
     Rotations turn a vector one after the other.  Its k-th derivative is at most its length times
     the k-th complete Bell polynomial of the sums of the angles' derivatives.
@@ -163,8 +202,8 @@ def _bounds(geometry: Geometry, curve: Curve, hand: tuple[int, Array]) -> tuple[
             turned = [t + v[:, j] for t, v in zip(turned, (x, y, z), strict=True)]
     b1, b2, b3 = _bell(*turned)
     size = float(np.linalg.norm(hand[1]))
-    n1, n2, n3 = n1 + size * b1, n2 + size * b2, n3 + size * b3
-    return n1, n2 * n2 + n1 * n3
+    x, y, z = turned
+    return (n1 + size * b1, n2 + size * b2, n3 + size * b3), (x, y, z)
 
 
 def _bell(x: Array, y: Array, z: Array) -> tuple[Array, Array, Array]:

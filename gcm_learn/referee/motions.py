@@ -23,17 +23,25 @@ STEPS = 32
 UNTURNED = (1.0, 0.0, 0.0, 0.0)
 
 
+State = tuple[Array, Array, Array, Array]
+"""Centres (k, 3), rotations (k, 3, 3) from the body to the world, velocities, spins (k, 3)."""
+
+
 class Law(NamedTuple):
     """Motion of a body through the world."""
 
-    poses: Callable[[Array], tuple[Array, Array]]
-    """From times (k,) to centres (k, 3) and rotations (k, 3, 3) from the body to the world."""
+    states: Callable[[Array, Array], State]
+    """From times (k,) to states; of pieces that meet there, that of a second time (k,) counts."""
     knots: Array
     """Times (m,) between which the bounds are linear [s]."""
     way: Array
     """Bound (m,) of the way of the centre since t = 0."""
     turn: Array
     """Bound (m,) of the angle by which the body has turned since t = 0 [rad]."""
+    most: Array
+    """Bounds (2, 3) of velocity and spin, and of their first and second derivatives."""
+    breaks: Array = np.zeros(0)
+    """Times at which the velocity may jump."""
 
 
 def law_of(motion: dict[str, Any], end: float) -> Law:
@@ -61,13 +69,22 @@ def _flight(motion: dict[str, Any]) -> tuple[Array, Array, Array, Array, Array]:
     return place[0], place[1], place[2], np.array(motion.get("spin", [0.0] * 3), float), turn
 
 
-def _flown(motion: dict[str, Any], t: Array) -> tuple[Array, Array]:
+def _flown(motion: dict[str, Any], t: Array) -> State:
     position, velocity, acceleration, spin, first = _flight(motion)
     s = t[:, None]
     turn = np.broadcast_to(first, (len(t), 3, 3))
     if spin.any():
         turn = turns(spin, np.linalg.norm(spin) * t) @ turn
-    return position + s * velocity + 0.5 * s * s * acceleration, turn
+    place = position + s * velocity + 0.5 * s * s * acceleration
+    return place, turn, velocity + s * acceleration, np.broadcast_to(spin, place.shape)
+
+
+def _most(motion: dict[str, Any], span: float) -> Array:
+    """Return `Law.most` of a quadratic motion that lasts so long."""
+    _, velocity, acceleration, spin, _ = _flight(motion)
+    ends = (velocity, velocity + span * acceleration)
+    fast = max(float(np.linalg.norm(end)) for end in ends)
+    return np.array([[fast, np.linalg.norm(acceleration), 0.0], [np.linalg.norm(spin), 0.0, 0.0]])
 
 
 def _steps(motion: dict[str, Any], knots: Array) -> tuple[Array, Array]:
@@ -84,7 +101,8 @@ def _steps(motion: dict[str, Any], knots: Array) -> tuple[Array, Array]:
 def _quadratic(motion: dict[str, Any], end: float) -> Law:
     knots = np.linspace(0.0, end, STEPS + 1)
     way, turn = _steps(motion, knots)
-    return Law(lambda t: _flown(motion, t), knots, _added(way), _added(turn))
+    most = _most(motion, end)
+    return Law(lambda t, _: _flown(motion, t), knots, _added(way), _added(turn), most)
 
 
 def _piecewise(motion: dict[str, Any], end: float) -> Law:
@@ -96,20 +114,22 @@ def _piecewise(motion: dict[str, Any], end: float) -> Law:
     way, turn = (np.concatenate(several) for several in zip(*bounds, strict=True))
     knots = np.concatenate([[0.0], *(part[1:] for part in parts)])
 
-    def poses(t: Array) -> tuple[Array, Array]:
-        which = np.maximum(np.searchsorted(starts, t, side="right") - 1, 0)
-        at, turn = np.zeros((len(t), 3)), np.zeros((len(t), 3, 3))
+    def states(t: Array, inside: Array) -> State:
+        which = np.maximum(np.searchsorted(starts, inside, side="right") - 1, 0)
+        out = tuple(np.zeros((len(t), *size)) for size in ((3,), (3, 3), (3,), (3,)))
         for k in np.unique(which):
             here = which == k
-            at[here], turn[here] = _flown(pieces[k], t[here] - starts[k])
-        return at, turn
+            for column, found in zip(out, _flown(pieces[k], t[here] - starts[k]), strict=True):
+                column[here] = found
+        return out[0], out[1], out[2], out[3]
 
     for k, start in enumerate(starts[1:]):
         before, after = (_flown(p, start[None] - p["start"]) for p in pieces[k : k + 2])
         size = max(1.0, float(np.abs(before[0]).max()))
         if max(np.abs(before[0] - after[0]).max() / size, _apart(before[1], after[1])) > MEETING:
             raise Unreadable(f"motion.pieces[{k + 1}]: does not begin where the one before ends")
-    return Law(poses, knots, _added(way), _added(turn))
+    most = [_most(p, b - a) for p, a, b in zip(pieces, starts, ends, strict=True)]
+    return Law(states, knots, _added(way), _added(turn), np.max(most, axis=0), starts[1:])
 
 
 def _apart(first: Array, second: Array) -> float:
@@ -127,14 +147,29 @@ def _sampled(motion: dict[str, Any], end: float) -> Law:
     cosine = np.minimum(np.abs((q[1:] * q[:-1]).sum(axis=1)), 1.0)
     if (cosine < 1e-9).any():
         raise Unreadable("motion.orientations: neighbours are half a turn apart")
-    way = np.linalg.norm(np.diff(at, axis=0), axis=1)
+    way, span = np.linalg.norm(np.diff(at, axis=0), axis=1), np.diff(times)
+    fast, spin = np.diff(at, axis=0) / span[:, None], _turned(q[:-1], q[1:]) / span[:, None]
 
-    def poses(t: Array) -> tuple[Array, Array]:
-        k = np.clip(np.searchsorted(times, t, side="right") - 1, 0, len(times) - 2)
-        s = np.clip((t - times[k]) / (times[k + 1] - times[k]), 0.0, 1.0)[:, None]
-        return at[k] + s * (at[k + 1] - at[k]), rotations(_between(q[k], q[k + 1], s))
+    def states(t: Array, inside: Array) -> State:
+        k = np.clip(np.searchsorted(times, inside, side="right") - 1, 0, len(times) - 2)
+        s = np.clip((t - times[k]) / span[k], 0.0, 1.0)[:, None]
+        moves = (inside < times[-1])[:, None]
+        turn = rotations(_between(q[k], q[k + 1], s))
+        return at[k] + s * (at[k + 1] - at[k]), turn, moves * fast[k], moves * spin[k]
 
-    return Law(poses, times, _added(way), _added(2.0 * np.arccos(cosine) + 1e-7))
+    most = np.zeros((2, 3))
+    most[:, 0] = [np.linalg.norm(rate, axis=1).max() for rate in (fast, spin)]
+    return Law(states, times, _added(way), _added(2.0 * np.arccos(cosine) + 1e-7), most, times[1:])
+
+
+def _turned(p: Array, q: Array) -> Array:
+    """Return vectors (k, 3) of the turns on the short ways from quaternions p to q (k, 4)."""
+    scalar = (p * q).sum(axis=1, keepdims=True)
+    vector = p[:, :1] * q[:, 1:] - q[:, :1] * p[:, 1:] - np.cross(q[:, 1:], p[:, 1:])
+    vector = np.where(scalar < 0.0, -vector, vector)
+    size = np.linalg.norm(vector, axis=1, keepdims=True)
+    angle = 2.0 * np.arctan2(size, np.abs(scalar))
+    return vector * np.where(size > 0.0, angle / np.where(size > 0.0, size, 1.0), 2.0)
 
 
 def _between(p: Array, q: Array, s: Array) -> Array:
@@ -152,18 +187,24 @@ def _pendulum(motion: dict[str, Any], end: float) -> Law:
     axis, down = unit(motion["axis"]), unit(motion["down"])
     hang, pivot = motion.get("hang", motion["length"]), np.array(motion["pivot"], dtype=float)
 
-    def poses(t: Array) -> tuple[Array, Array]:
+    def states(t: Array, inside: Array) -> State:
         k = np.clip((t / step).astype(int), 0, len(grid) - 1)
-        angle = _swung(grid[k, 0], grid[k, 1], t - k * step, pull, damping, np.sin)[0]
+        angle, rate = _swung(grid[k, 0], grid[k, 1], t - k * step, pull, damping, np.sin)
         along = turns(axis, angle) @ down
         side = np.broadcast_to(axis, along.shape)
         turn = np.stack([np.cross(side, along), side, along], axis=-1)
-        return pivot + hang * along, turn
+        rate = rate[:, None]
+        return pivot + hang * along, turn, hang * rate * np.cross(side, along), rate * axis
 
     rate = np.abs(grid[:, 1])
     most = np.maximum(rate[1:], rate[:-1]) + step * (pull + damping * (rate.max() + 1.0))
     turned = _added(step * most)
-    return Law(poses, step * np.arange(len(grid)), abs(hang) * turned, turned)
+    fast = float(most.max())
+    hard = pull + damping * fast
+    jerk = pull * fast + damping * hard
+    circle = np.array([fast, hard + fast**2, jerk + 3.0 * fast * hard + fast**3])
+    bounds = np.stack([abs(hang) * circle, [fast, hard, jerk]])
+    return Law(states, step * np.arange(len(grid)), abs(hang) * turned, turned, bounds)
 
 
 @lru_cache(maxsize=64)
@@ -209,11 +250,24 @@ class Body:
     law: Law
     ball: float
     """Radius of the ball about the centre that holds the shape."""
-    approach: dict[str, Any] | None = None
+    given: dict[str, Any]
+    """The body in its situation."""
+
+    @property
+    def approaches(self) -> list[dict[str, Any]]:
+        """Ways in which the hand must come."""
+        asked = self.given.get("approach", [])
+        return [asked] if isinstance(asked, dict) else asked
+
+    @property
+    def margin(self) -> tuple[float, float]:
+        """Distance that links keep at t = 0, and its growth per second."""
+        asked = self.given.get("margin", {})
+        return asked.get("now", 0.0), asked.get("rate", 0.0)
 
     def poses(self, times: Array) -> tuple[Array, Array]:
         """Return centres (k, 3) and rotations (k, 3, 3), body to world, at times (k,)."""
-        return self.law.poses(times)
+        return self.law.states(times, times)[:2]
 
     def ways(self, low: Array, middle: Array, high: Array) -> Array:
         """Return bounds (k,) of the way of any point from the middles of intervals."""
@@ -237,7 +291,7 @@ def bodies_of(given: Sequence[dict[str, Any]], end: float) -> list[Body]:
             body["shape"],
             law_of(body["motion"], end),
             ball_of(body["shape"]),
-            body.get("approach"),
+            body,
         )
         for body in given
     ]

@@ -9,8 +9,9 @@ from typing import Any, Protocol
 import numpy as np
 
 from gcm_learn.referee import tolerances
+from gcm_learn.referee.catching import Catch
 from gcm_learn.referee.chain import ChainMotion, Geometry, tree_of
-from gcm_learn.referee.contact import Motion
+from gcm_learn.referee.contact import Motion, Watched
 from gcm_learn.referee.curves import curve_of
 from gcm_learn.referee.motions import Body
 from gcm_learn.referee.rotations import Array
@@ -271,8 +272,16 @@ class PlanarArm:
                 complaints.append(tolerances.Complaint("trajectory.joints", what, at))
         return complaints
 
-    def missed(self, columns: Columns, body: Body, time: float) -> list[str]:
-        """Return complaints about a catch of a body at a time: the distance in the plane."""
+    def missed(self, columns: Columns, body: Body, catch: Catch) -> list[tolerances.Complaint]:
+        """Return complaints about a catch of a body: the distance in the plane."""
+        words = self._missed(columns, body, catch.time)
+        return [tolerances.Complaint("catch_body", what, catch.time) for what in words]
+
+    def carried(self, columns: Columns, body: Body, catch: Catch) -> list[Watched]:
+        """Return nothing: planar arms do not carry."""
+        return []
+
+    def _missed(self, columns: Columns, body: Body, time: float) -> list[str]:
         hand = np.array([[np.interp(time, columns["time"], x) for x in columns["hand"].T]])
         if self.solid:
             # Granted in the plane: where it cuts a solid flatly, a depth says little of the way.

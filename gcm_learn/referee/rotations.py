@@ -29,6 +29,12 @@ def unit(vector: ArrayLike) -> Array:
     return v / np.linalg.norm(v)
 
 
+def angle_of(first: Array, second: Array) -> float:
+    """Return the angle between two vectors (3,) [rad]."""
+    across = np.linalg.norm(np.cross(first, second))
+    return float(np.arctan2(across, first @ second))
+
+
 def crossing(axis: ArrayLike) -> Array:
     """Return the matrix (3, 3) of the cross product with an axis on the left."""
     x, y, z = np.asarray(axis, dtype=float)

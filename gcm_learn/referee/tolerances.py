@@ -14,6 +14,18 @@ ROUNDING = 1e-14
 """Of differences of joints and of times, relative to their size."""
 AT_LIMIT = 1e-5
 """Share of the larger of 1 and a bound by which a posture beyond it is the bound; *contract*."""
+MOMENT = 1e-9
+"""By which times of catches may miss samples [s], and ends relative to their size; *contract*."""
+AFTERWARDS = 600.0
+"""Time after the horizon at which a trajectory ends at the latest [s]; *contract*."""
+SHORTEST = 1e-5
+"""Length of a piece under limits of jerk [s]; *contract*."""
+JERK = 1e-4
+"""Of limits of jerk, and of jumps of acceleration by its limit, relative; *contract*."""
+RESTING = (1e-6, 1e-4)
+"""Rate and acceleration of a joint at rest, as shares of their limits; *contract*."""
+NEAR = 1e-6
+"""Of margins, places and relative speeds, absolute, and of relative speeds; *contract*."""
 WORK = 400_000
 """Intervals that are examined for one promise of one solution; more is a complaint."""
 WORK_BROKEN = 10_000
@@ -65,6 +77,7 @@ TOLERANCES = {
         range_absolute=1e-6, touch_absolute=1e-6, grasp_absolute=1e-6, compares_clearance=False
     ),
 }
+TOLERANCES[4] = TOLERANCES[3]
 """By version of the exchange format."""
 
 
