@@ -258,7 +258,7 @@ def third_situations(draw, max_bodies=3):
     catch, bodies = draw(st.sampled_from(situation.CATCHES)), []
     for k in range(draw(st.integers(1, max_bodies))):
         role = "target" if k == 0 or (catch != "any" and draw(st.booleans())) else "obstacle"
-        approach = draw(st.none() | approaches) if role == "target" else None
+        approach = draw(st.just(()) | st.tuples(approaches)) if role == "target" else None
         bodies.append(
             situation.Body(role, str(k), draw(solid_shapes), draw(solid_motions), approach)
         )

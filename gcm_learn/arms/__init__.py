@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 from gcm_learn import late
 from gcm_learn.arms.chain import (
+    FROM_MODEL as FROM_MODEL,
     JOINT_TYPES as JOINT_TYPES,
     Chain as Chain,
     ChainJoint as ChainJoint,

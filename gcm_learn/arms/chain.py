@@ -10,6 +10,7 @@ from typing import Any, ClassVar
 from gcm_learn.arms.followers import Follows, JointTree
 from gcm_learn.arms.rotations import unit_quaternion
 from gcm_learn.arms.spatial import IDENTITY, Base
+from gcm_learn.arms.starts import Start, started
 from gcm_learn.checks import (
     UNIT_LENGTH,
     choice,
@@ -30,7 +31,9 @@ from gcm_learn.errors import SituationError
 
 JOINT_TYPES = ("revolute", "prismatic")
 FROM_MODEL = "model"
-"""Default of `Chain.max_joint_acceleration`: the limits that the model gives."""
+"""Default of a chain's limits of acceleration and jerk: those that the model gives."""
+RATES = Start("rates", "max_acceleration", "fast")
+ACCELERATIONS = Start("accelerations", "max_jerk", "large")
 
 
 @dataclass(frozen=True)
@@ -59,8 +62,7 @@ class ChainJoint:
     follows : Follows, optional
         Leader by which the joint is moved; it has a coordinate of its own when absent.
     max_jerk : float, optional
-        Above zero, and only beside `max_acceleration` [rad/s^3 or lengths/s^3]. It is read and
-        written; situations of ``@3`` do not limit jerk.
+        Above zero, and only beside `max_acceleration` [rad/s^3 or lengths/s^3].
     """
 
     axis: tuple[float, float, float]
@@ -249,6 +251,12 @@ class Chain:
     ignore : tuple of (int or str, str)
         Pairs of a link and the name of an obstacle that are not checked. A link is given by its
         number, or by a name, which stands for all links of that name.
+    max_joint_jerk : (n,) tuple of float, optional
+        Above zero, `max_jerk` in files, and only with limits of acceleration; the model's by
+        default, None for no limits. Situations of ``@3`` have none, and drop the model's.
+    joint_accelerations : (n,) tuple of float, optional
+        Accelerations at t = 0, `accelerations` in files; only with limits of jerk, and zero there
+        when absent.
     """
 
     model: ChainModel
@@ -259,6 +267,8 @@ class Chain:
     max_hand_speed: float | None = None
     max_joint_acceleration: Any = FROM_MODEL
     ignore: tuple[tuple[int | str, str], ...] = ()
+    max_joint_jerk: Any = FROM_MODEL
+    joint_accelerations: tuple[float, ...] | None = None
 
     kind: ClassVar[str] = "chain"
     thickness: ClassVar[float] = 0.0  # links have radii of their own
@@ -273,34 +283,30 @@ class Chain:
         put(self, "grasp", non_negative(self.grasp, "grasp"))
         if self.max_hand_speed is not None:
             put(self, "max_hand_speed", positive(self.max_hand_speed, "max_hand_speed"))
-        put(self, "max_joint_acceleration", self._accelerations())
+        put(self, "max_joint_acceleration", self._limits("acceleration"))
+        put(self, "max_joint_jerk", self._limits("jerk"))
         ranges = [joint.range for joint in self.model.coordinates]
         put(self, "joints", in_ranges(self.joints, ranges, "posture"))
         self.model.check_start(self.joints)
-        self._check_rates()
+        most, jerks = self.max_joint_acceleration, self.max_joint_jerk
+        put(self, "joint_rates", started(self.joint_rates, RATES, self.max_joint_speed, most))
+        now = self.joint_accelerations
+        put(self, "joint_accelerations", started(now, ACCELERATIONS, most, jerks))
         put(self, "ignore", self._ignore())
 
-    def _accelerations(self) -> tuple[float, ...] | None:
-        given = self.max_joint_acceleration
+    def _limits(self, of: str) -> tuple[float, ...] | None:
+        """Return the limits (n,) of accelerations or jerk, with those of followers."""
+        given, field = getattr(self, f"max_joint_{of}"), f"max_{of}"
+        lifted = of == "jerk" and self.max_joint_acceleration is None
         if isinstance(given, str) and given == FROM_MODEL:
-            given = tuple(joint.max_acceleration for joint in self.model.coordinates)
-            given = None if given[0] is None else given
+            given = tuple(getattr(joint, field) for joint in self.model.coordinates)
+            given = None if lifted or given[0] is None else given
         if given is None:
             return None
-        limits = positive_vector(given, "max_acceleration", self.dof)
-        return self.model.limits(limits, "max_acceleration")
-
-    def _check_rates(self) -> None:
-        if self.joint_rates is None:
-            if self.max_joint_acceleration is not None:
-                put(self, "joint_rates", (0.0,) * self.dof)
-            return
-        put(self, "joint_rates", vector(self.joint_rates, "rates", self.dof))
-        if self.max_joint_acceleration is None:
-            raise SituationError("rates", "are given without max_acceleration")
-        for k, (rate, most) in enumerate(zip(self.joint_rates, self.max_joint_speed, strict=True)):
-            if abs(rate) > most:
-                raise SituationError(f"rates[{k}]", f"{rate} is too fast (max {most})")
+        limits = positive_vector(given, field, self.dof)
+        if lifted:
+            raise SituationError(field, "is given without max_acceleration")
+        return self.model.limits(limits, field)
 
     def _ignore(self) -> tuple[tuple[int | str, str], ...]:
         result: list[tuple[int | str, str]] = []
@@ -332,6 +338,11 @@ class Chain:
     def dof(self) -> int:
         """Number of joints."""
         return self.model.dof
+
+    @property
+    def hand_axis(self) -> tuple[float, float, float]:
+        """Unit vector along which the hand reaches, in the frame of its joint."""
+        return self.model.hand.axis
 
     @cached_property
     def joint_range(self) -> tuple[tuple[float, float], ...]:

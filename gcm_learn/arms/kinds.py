@@ -59,9 +59,16 @@ SPATIAL = Kind(
     SpatialArm,
     ChainLimb,
     spatial_limb_of,
-    ("gcm-learn/situation@2", "gcm-learn/situation@3"),
+    ("gcm-learn/situation@2", "gcm-learn/situation@3", "gcm-learn/situation@4"),
 )
-CHAIN = Kind("chain", "chains", Chain, ChainLimb, limb_of_chain, ("gcm-learn/situation@3",))
+CHAIN = Kind(
+    "chain",
+    "chains",
+    Chain,
+    ChainLimb,
+    limb_of_chain,
+    ("gcm-learn/situation@3", "gcm-learn/situation@4"),
+)
 
 _BY_ARM: dict[type, Kind] = {}
 _BY_TYPE: dict[type, Kind] = {}  # of records and of limbs

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from gcm_learn.arms.rotations import unit_quaternion
+from gcm_learn.arms.starts import Start, started
 from gcm_learn.checks import (
     in_ranges,
     non_negative,
@@ -22,6 +23,8 @@ from gcm_learn.errors import SituationError
 JOINTS = 4
 OTHER_ARMS = "an arm with any other joints is a chain (gcm-learn/arm@1)"
 """End of messages to arms that fit no other kind."""
+RATES = Start("joint_rates", "max_joint_acceleration", "fast")
+ACCELERATIONS = Start("joint_accelerations", "max_joint_jerk", "large")
 
 
 @dataclass(frozen=True)
@@ -80,6 +83,10 @@ class SpatialArm:
         Above zero [rad/s^2]; no limits when absent.
     thickness : float
         Radius of both bones, not negative.
+    max_joint_jerk : (4,) tuple of float, optional
+        Above zero, and only with limits of acceleration [rad/s^3]; no limits when absent.
+    joint_accelerations : (4,) tuple of float, optional
+        Accelerations at t = 0; only with limits of jerk, and zero there when absent [rad/s^2].
     """
 
     upper_arm: tuple[float, float, float]
@@ -93,6 +100,8 @@ class SpatialArm:
     max_hand_speed: float | None = None
     max_joint_acceleration: tuple[float, float, float, float] | None = None
     thickness: float = 0.0
+    max_joint_jerk: tuple[float, float, float, float] | None = None
+    joint_accelerations: tuple[float, float, float, float] | None = None
 
     kind: ClassVar[str] = "spatial"
 
@@ -106,7 +115,7 @@ class SpatialArm:
             put(self, name, _bone(getattr(self, name), name))
         put(self, "joint_range", _ranges(self.joint_range))
         put(self, "joints", vector(self.joints, "joints", JOINTS))
-        for name in ("max_joint_speed", "max_joint_acceleration"):
+        for name in ("max_joint_speed", "max_joint_acceleration", "max_joint_jerk"):
             if name == "max_joint_speed" or getattr(self, name) is not None:
                 put(self, name, positive_vector(getattr(self, name), name, JOINTS))
         if self.max_hand_speed is not None:
@@ -114,20 +123,17 @@ class SpatialArm:
         for name in ("thickness", "grasp"):
             put(self, name, non_negative(getattr(self, name), name))
         put(self, "joints", in_ranges(self.joints, self.joint_range, "joints"))
-        self._check_rates()
+        most, jerks = self.max_joint_acceleration, self.max_joint_jerk
+        if jerks is not None and most is None:
+            raise SituationError("max_joint_jerk", "is given without max_joint_acceleration")
+        put(self, "joint_rates", started(self.joint_rates, RATES, self.max_joint_speed, most))
+        now = self.joint_accelerations
+        put(self, "joint_accelerations", started(now, ACCELERATIONS, most, jerks))
 
-    def _check_rates(self) -> None:
-        """Refuse rates beyond their limits, or where accelerations have none."""
-        if self.joint_rates is None:
-            if self.max_joint_acceleration is not None:
-                put(self, "joint_rates", (0.0,) * JOINTS)
-            return
-        put(self, "joint_rates", vector(self.joint_rates, "joint_rates", JOINTS))
-        if self.max_joint_acceleration is None:
-            raise SituationError("joint_rates", "are given without max_joint_acceleration")
-        for k, (rate, most) in enumerate(zip(self.joint_rates, self.max_joint_speed, strict=True)):
-            if abs(rate) > most:
-                raise SituationError(f"joint_rates[{k}]", f"{rate} is too fast (max {most})")
+    @property
+    def hand_axis(self) -> tuple[float, ...]:
+        """Unit vector (3,) along the forearm, in its own frame."""
+        return tuple(part / math.hypot(*self.forearm) for part in self.forearm)
 
     @property
     def reach(self) -> float:

@@ -93,7 +93,7 @@ def _distance(body: Body) -> float:
 def _kind(body: Body) -> str:
     shape = body.shape
     corners = len(entry_of(shape).vertices(shape)) or ""
-    approach = "" if body.approach is None else "<"
+    approach = "<" * len(body.approach)
     return f"{shape.kind}{corners}{_law(body.motion)}{approach}"
 
 
@@ -124,8 +124,8 @@ def _motion_numbers(body: Body, horizon: float) -> list[float]:
             numbers += [horizon * start, *_flight_numbers(body, piece, horizon)]
     else:
         numbers = _flight_numbers(body, motion, horizon)
-    if body.approach is not None:
-        numbers += [radius * x for x in (*body.approach.axis, body.approach.within)]
+    for approach in body.approach:
+        numbers += [radius * x for x in (*approach.axis, approach.within)]
     return numbers
 
 

@@ -128,7 +128,7 @@ def resting_target(arm: Chain, goal: Sequence[float], within: float) -> Body:
     (hand,), (axis,) = hands_along(arm, [goal])
     place = SolidQuadratic(tuple(hand.tolist()), REST, REST)
     approach = Approach(tuple((axis / np.linalg.norm(axis)).tolist()), within)
-    return Body("target", "goal", Sphere(TARGET), place, approach)
+    return Body("target", "goal", Sphere(TARGET), place, (approach,))
 
 
 def is_blocked(situation: Situation[Chain]) -> bool:

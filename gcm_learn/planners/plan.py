@@ -199,6 +199,9 @@ def taken(planner: Planner, situation: AnySituation) -> AnySituation:
     ------
     ArmKindError
     """
+    if situation.format in UNTAKEN:
+        name = json.dumps(situation.name)
+        raise ArmKindError(f"no planner takes {situation.format} yet (situation {name})")
     if takes(planner, kind_of(situation)):
         return situation
     raise refused(planner.name, situation)
@@ -220,6 +223,8 @@ def declined(name: str, kind: Kind, where: str = "") -> str:
     return f"{name!r} does not take {kind.plural}{where}{other}"
 
 
+UNTAKEN = ("gcm-learn/situation@4",)
+"""Formats of situations that are read, and not planned for."""
 COLUMNS = {
     "gcm-learn/solution@1": ("time", "hand", "joints"),
     "gcm-learn/solution@2": ("time", "joints", "hand", "elbow", "rates"),

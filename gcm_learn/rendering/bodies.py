@@ -31,7 +31,7 @@ def body_faces(
         if (roles and body.role not in roles) or (ground is not None and body is ground.body):
             continue
         yield solid_faces(situation, body, centre, turn, alpha)
-        if body.approach is not None:
+        if body.approach:
             corners = centre + approach_corners(situation, body) @ turn.T
             yield Faces(corners, staging.rgb(staging.APPROACH), alpha)
 
@@ -56,13 +56,12 @@ def drawn_scale(situation: staging.JointSituation, body: Body) -> float:
 
 
 def approach_corners(situation: staging.JointSituation, body: Body) -> np.ndarray:
-    """Return the arrow (n, 4, 3) along which a hand catches a target, in the target's frame."""
-    assert body.approach is not None
+    """Return the arrows (n, 4, 3) along which a hand catches a target, in the target's frame."""
     reach = situation.arm.reach
     surface = drawn_scale(situation, body) * body.shape.bounding_radius
     pointing = arrow(ARROW * reach, surface + BEFORE * reach)
-    turned: np.ndarray = pointing @ frame_along(np.asarray(body.approach.axis)).T
-    return turned
+    axes = [np.asarray(approach.axis) for approach in body.approach]
+    return np.concatenate([pointing @ frame_along(axis).T for axis in axes])
 
 
 LINE = 0.007  # of the reach: radius of a path

@@ -114,12 +114,12 @@ def pack_bodies(situation: AnySituation) -> Bodies:
         row[k.PART] = k.HAND if body.role == "target" else k.LIMB
         row[k.SIZE : k.SIZE + 3] = entry.sizes(shape)
         row[k.REACH] = shape.bounding_radius
-        if body.approach is not None:
-            row[k.APPROACH : k.APPROACH + 3] = body.approach.axis
-            row[k.WITHIN] = body.approach.within
+        if body.approach:
+            row[k.APPROACH : k.APPROACH + 3] = body.approach[0].axis
+            row[k.WITHIN] = body.approach[0].within
         row[k.SWING] = -1.0
         LAWS[type(motion)].place(row, tables, motion, view)
-        if entry.is_ball and body.approach is None:  # no spin can be seen
+        if entry.is_ball and not body.approach:  # no spin can be seen
             row[k.SPIN : k.SPIN + 3] = (0.0, 0.0, 0.0)
             if row[k.PIECES]:
                 tables[-1][:, k.SPIN : k.SPIN + 3] = 0.0

@@ -21,7 +21,13 @@ from gcm_learn.situation.arm_files import (
     read_arm as read_arm,
     shipped_arm as shipped_arm,
 )
-from gcm_learn.situation.body import Approach as Approach, Body as Body
+from gcm_learn.situation.body import (
+    Approach as Approach,
+    Body as Body,
+    Hold as Hold,
+    Margin as Margin,
+    Place as Place,
+)
 from gcm_learn.situation.canonical import (
     Frame as Frame,
     canonical as canonical,
@@ -41,6 +47,7 @@ from gcm_learn.situation.json_records import (
 )
 from gcm_learn.situation.laws import (
     CATCHES as CATCHES,
+    ENDS as ENDS,
     FORMATS as FORMATS,
     Format as Format,
     Motion as Motion,
@@ -73,6 +80,7 @@ from gcm_learn.situation.situation import (
     Situation as Situation,
     planar as planar,
     spatial as spatial,
+    with_end as with_end,
 )
 from gcm_learn.situation.spatial_frame import (
     SpatialFrame as SpatialFrame,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from functools import lru_cache
 from importlib.resources import files
@@ -173,9 +173,9 @@ def arm_from(obj: object, path: str, reading: Reading) -> Any:
     return _READ.of(kind)(kind.arm, obj, path, reading)
 
 
-def arm_members(arm: Any) -> dict[str, Any]:
-    """Return the JSON object of an arm."""
-    return _WRITE.of(arm)(arm)
+def arm_members(arm: Any, version: Format) -> dict[str, Any]:
+    """Return the JSON object of an arm in a format of situations."""
+    return _WRITE.of(arm)(arm, version.absent["arm"])
 
 
 def _kind_in(obj: object, path: str, known: tuple[arms.Kind, ...]) -> arms.Kind:
@@ -207,7 +207,8 @@ def _chain(arm: type[arms.Chain], obj: object, path: str, reading: Reading) -> a
 def _based(record: type, obj: object, path: str, reading: Reading) -> dict[str, Any]:
     """Return the members of an arm on a base, `kind` aside."""
     members = json_records.object_from(obj, path)
-    json_records.check_names(members, path, record, extra=("kind",))
+    absent = reading.format.absent["arm"]
+    json_records.check_names(members, path, record, extra=("kind",), absent=absent)
     values = {name: value for name, value in members.items() if name != "kind"}
     if "base" in values:
         values["base"] = json_records.record_from(
@@ -216,17 +217,17 @@ def _based(record: type, obj: object, path: str, reading: Reading) -> dict[str, 
     return values
 
 
-def _chain_members(arm: arms.Chain) -> dict[str, Any]:
-    return {**_members(arm), "model": arm_to_json(arm.model)}
+def _chain_members(arm: arms.Chain, absent: Collection[str]) -> dict[str, Any]:
+    return {**_members(arm, absent), "model": arm_to_json(arm.model)}
 
 
-def _members(arm: Any) -> dict[str, Any]:
-    return {"kind": arm.kind, **json_records.members_of(arm)}
+def _members(arm: Any, absent: Collection[str]) -> dict[str, Any]:
+    return {"kind": arm.kind, **json_records.members_of(arm, absent)}
 
 
 _READ: arms.ByKind[ArmReader] = arms.ByKind(
     {arms.PLANAR: _planar, arms.CHAIN: _chain}, default=_on_base
 )
-_WRITE: arms.ByKind[Callable[[Any], dict[str, Any]]] = arms.ByKind(
+_WRITE: arms.ByKind[Callable[[Any, Collection[str]], dict[str, Any]]] = arms.ByKind(
     {arms.PLANAR: json_records.members_of, arms.CHAIN: _chain_members}, default=_members
 )

@@ -11,7 +11,7 @@ from typing import Any
 from gcm_learn.checks import quote, sequence, show
 from gcm_learn.errors import FileFormatError, SituationError
 from gcm_learn.situation.arm_files import Reading, arm_from, arm_members
-from gcm_learn.situation.body import Approach, Body
+from gcm_learn.situation.body import ASKED, Approach, Body
 from gcm_learn.situation.json_records import (
     JsonTextError,
     check_names,
@@ -23,8 +23,9 @@ from gcm_learn.situation.json_records import (
     object_from,
     parse,
     record_from,
+    records_from,
 )
-from gcm_learn.situation.laws import FORMATS, Format, Motion
+from gcm_learn.situation.laws import ENDS, FORMATS, Format, Motion
 from gcm_learn.situation.motion import PlanarQuadratic, SolidQuadratic
 from gcm_learn.situation.shapes import PLANAR, SOLID, Shape
 from gcm_learn.situation.situation import AnySituation, Plane, Situation
@@ -33,6 +34,8 @@ from gcm_learn.storage import write_whole
 
 _SOLID: dict[str, type[Shape]] = {record.kind: record for record in SOLID}
 _SHAPES = {record.kind: record for record in PLANAR} | _SOLID
+UNREAD = ("cloud", "mesh")
+"""Kinds of shapes that ``gcm-learn/situation@4`` has, and that are refused."""
 
 
 def situation_from_json(obj: object, folder: str | Path = ".") -> Situation[Any]:
@@ -53,7 +56,7 @@ def situation_from_json(obj: object, folder: str | Path = ".") -> Situation[Any]
     members = object_from(obj, "")
     version = _format(members)
     reading = Reading(version, Path(folder))
-    check_names(members, "", Situation, optional=("name",), absent=version.absent)
+    check_names(members, "", Situation, optional=("name",), absent=version.absent["situation"])
     if not version.planes and "plane" in members:
         raise SituationError("plane", f"is for planar arms ({quote(version.name)} has none)")
     shapes = _SHAPES if version.planes and "plane" not in members else _SOLID
@@ -66,6 +69,8 @@ def situation_from_json(obj: object, folder: str | Path = ".") -> Situation[Any]
         plane=record_from(Plane, members["plane"], "plane") if "plane" in members else None,
         catch=members.get("catch", version.catches[0]),
         format=version.name,
+        end=members.get("end", ENDS[0]),
+        end_by=members.get("end_by"),
     )
 
 
@@ -83,15 +88,30 @@ def _format(members: dict[str, Any]) -> Format:
 def _body(obj: object, path: str, reading: Reading, shapes: dict[str, type[Shape]]) -> Body:
     """Return one entry of `bodies`."""
     members = object_from(obj, path)
-    check_names(members, path, Body, absent=reading.format.absent)
+    check_names(members, path, Body, absent=reading.format.absent["body"])
     place, shape = f"{path}.shape", members["shape"]
+    if reading.format.holds and isinstance(shape, dict) and shape.get("kind") in UNREAD:
+        raise SituationError(f"{place}.kind", f"{shape['kind']!r} is not read yet")
     record = shapes[kind_from(shape, place, tuple(shapes))]
     shape = record_from(record, shape, place, extra=("kind",))
     motion = _motion(members["motion"], f"{path}.motion", isinstance(shape, SOLID), reading)
     values = members | {"shape": shape, "motion": motion}
     if "approach" in members:
-        values["approach"] = record_from(Approach, members["approach"], f"{path}.approach")
+        values["approach"] = _approaches(members["approach"], f"{path}.approach", reading.format)
+    for name, asked in ASKED.items():
+        if name in members:
+            values[name] = record_from(asked, members[name], f"{path}.{name}")
     return made_from(Body, values, path)
+
+
+def _approaches(value: object, path: str, version: Format) -> tuple[Approach, ...]:
+    """Return the approaches of a target: of one object, or a list of one or two."""
+    absent = tuple(version.absent["approach"])
+    if not version.holds or not isinstance(value, list):
+        return (record_from(Approach, value, path, absent=absent),)
+    if not 1 <= len(value) <= 2:
+        raise SituationError(path, f"must be one or two approaches (got {len(value)})")
+    return records_from(Approach, value, path)
 
 
 def _motion(obj: object, path: str, solid: bool, reading: Reading) -> Motion:
@@ -127,26 +147,38 @@ def situation_to_json(situation: AnySituation) -> dict[str, Any]:
         "format": version.name,
         "name": situation.name,
         "horizon": situation.horizon,
-        "arm": arm_members(situation.arm),
+        "arm": arm_members(situation.arm, version),
     }
     if situation.plane is not None:
         result["plane"] = members_of(situation.plane)
-    if "catch" not in version.absent:
+    if len(version.catches) > 1:
         result["catch"] = situation.catch
+    if version.holds:
+        result["end"] = situation.end
+    if situation.end_by is not None:
+        result["end_by"] = situation.end_by
     result["bodies"] = [_body_to_json(body) for body in situation.bodies]
     return result
 
 
 def _body_to_json(body: Body) -> dict[str, Any]:
     """Return the JSON object of a body."""
-    result = {
+    result: dict[str, Any] = {
         "role": body.role,
         "name": body.name,
         "shape": {"kind": body.shape.kind, **members_of(body.shape)},
         "motion": {"kind": body.motion.kind, **_motion_members(body.motion)},
     }
-    if body.approach is not None:
-        result["approach"] = members_of(body.approach)
+    if body.approach:
+        written = [members_of(approach) for approach in body.approach]
+        result["approach"] = written if len(written) > 1 else written[0]
+    for name in ASKED:
+        if getattr(body, name) is not None:
+            result[name] = members_of(getattr(body, name))
+    if body.ignore:
+        result["ignore"] = list(body.ignore)
+    if body.ignore_for is not None:
+        result["ignore_for"] = body.ignore_for
     return result
 
 

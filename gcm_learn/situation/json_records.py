@@ -6,7 +6,7 @@ import dataclasses
 import json
 import math
 import re
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from importlib.resources.abc import Traversable
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
@@ -164,8 +164,14 @@ class Renamed(NamedTuple):
 RENAMED: dict[type, Renamed] = {
     Link: Renamed({"start": "from", "end": "to"}),
     Chain: Renamed(
-        {"joints": "posture", "joint_rates": "rates", "max_joint_acceleration": "max_acceleration"},
-        null=("max_acceleration",),
+        {
+            "joints": "posture",
+            "joint_rates": "rates",
+            "max_joint_acceleration": "max_acceleration",
+            "max_joint_jerk": "max_jerk",
+            "joint_accelerations": "accelerations",
+        },
+        null=("max_acceleration", "max_jerk"),
     ),
 }
 NORMALISED = ("rotation", "orientation", "axis", "down")
@@ -322,10 +328,12 @@ def _unit(value: Any) -> Any:
     return value
 
 
-def members_of(record: Any) -> dict[str, Any]:
-    """Return the fields of a record as JSON values; fields with None are left out."""
+def members_of(record: Any, absent: Collection[str] = ()) -> dict[str, Any]:
+    """Return the fields of a record as JSON values; those with None, and `absent`, are left out."""
     layout, result = layout_of(type(record)), {}
     for name, field in layout.attributes.items():
+        if name in absent:
+            continue
         value = getattr(record, field)
         if type(value) is float:  # most are: spare the questions
             result[name] = value

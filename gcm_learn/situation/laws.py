@@ -142,6 +142,15 @@ LAWS: dict[type, SolidLaw] = {
 }
 
 
+NEWEST: dict[str, tuple[str, ...]] = {
+    "situation": ("end", "end_by"),
+    "arm": ("max_jerk", "accelerations", "max_joint_jerk", "joint_accelerations"),
+    "body": ("hold", "place", "ignore", "ignore_for", "margin"),
+    "approach": ("hand",),
+}
+"""Fields that ``gcm-learn/situation@4`` adds, by the part of a situation that has them."""
+
+
 @dataclass(frozen=True)
 class Format:
     """One version of the exchange format.
@@ -159,6 +168,8 @@ class Format:
         Whether a planar arm may stand in a plane among solids.
     normalises : bool
         Whether unit vectors may be off by up to `checks.UNIT_LENGTH`, and are normalised.
+    holds : bool
+        Whether there are the fields of `NEWEST`: holds, places, margins, ends, limits of jerk.
     """
 
     name: str
@@ -167,6 +178,7 @@ class Format:
     approach: bool = False
     planes: bool = False
     normalises: bool = False
+    holds: bool = False
 
     @property
     def kinds(self) -> tuple[Kind, ...]:
@@ -179,26 +191,28 @@ class Format:
         return tuple(dict.fromkeys(motion.kind for motion in self.motions))
 
     @cached_property
-    def absent(self) -> frozenset[str]:
-        """Fields of situations and bodies that this format does not know."""
-        given = {"catch": len(self.catches) > 1, "approach": self.approach}
-        return frozenset(name for name, known in given.items() if not known)
+    def absent(self) -> dict[str, frozenset[str]]:
+        """Fields that this format does not know, by the part of a situation that has them."""
+        absent = {part: () if self.holds else names for part, names in NEWEST.items()}
+        absent["situation"] += () if len(self.catches) > 1 else ("catch",)
+        absent["body"] += () if self.approach else ("approach",)
+        return {part: frozenset(names) for part, names in absent.items()}
 
 
 _QUADRATIC = (PlanarQuadratic, SolidQuadratic, Pendulum)
+_TIMED = (*_QUADRATIC, Piecewise, Sampled)
 CATCHES = ("any", "all", "most")
+ENDS = ("free", "rest")
+"""Motions of the arm at the end; the first is the default."""
 
 FORMATS = {
     version.name: version
     for version in (
         Format("gcm-learn/situation@1", _QUADRATIC, planes=True),
         Format("gcm-learn/situation@2", _QUADRATIC),
+        Format("gcm-learn/situation@3", _TIMED, CATCHES, approach=True, normalises=True),
         Format(
-            "gcm-learn/situation@3",
-            (*_QUADRATIC, Piecewise, Sampled),
-            CATCHES,
-            approach=True,
-            normalises=True,
+            "gcm-learn/situation@4", _TIMED, CATCHES, approach=True, normalises=True, holds=True
         ),
     )
 }

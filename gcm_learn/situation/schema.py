@@ -16,9 +16,9 @@ from typing import Any
 from gcm_learn import arms
 from gcm_learn.checks import LARGEST
 from gcm_learn.situation.arm_files import ARM_FORMATS, NEW
-from gcm_learn.situation.body import ROLES, Approach, Body
+from gcm_learn.situation.body import OF_TARGETS, ROLES, WITH, Approach, Body, Hold, Margin, Place
 from gcm_learn.situation.json_records import layout_of
-from gcm_learn.situation.laws import FORMATS, Format
+from gcm_learn.situation.laws import ENDS, FORMATS, Format
 from gcm_learn.situation.motion import Pendulum, PlanarQuadratic, SolidQuadratic
 from gcm_learn.situation.shapes import (
     PLANAR as FLAT,
@@ -42,11 +42,11 @@ _FILLED: Schema = {"minItems": 1}
 _FOUR: Schema = {"minItems": arms.JOINTS, "maxItems": arms.JOINTS}
 
 NUMBERS: dict[type, dict[str, Schema]] = {
-    Situation: {"horizon": _POSITIVE},
+    Situation: {"horizon": _POSITIVE, "end_by": _NOT_NEGATIVE},
     arms.Arm: dict.fromkeys(("max_hand_speed", "max_joint_speed", "upper_arm"), _POSITIVE)
     | dict.fromkeys(("thickness", "grasp"), _NOT_NEGATIVE),
     arms.SpatialArm: dict.fromkeys(
-        ("max_hand_speed", "max_joint_speed", "max_joint_acceleration"), _POSITIVE
+        ("max_hand_speed", "max_joint_speed", "max_joint_acceleration", "max_joint_jerk"), _POSITIVE
     )
     | dict.fromkeys(("thickness", "grasp"), _NOT_NEGATIVE),
     arms.Chain: {"max_hand_speed": _POSITIVE, "grasp": _NOT_NEGATIVE},
@@ -57,6 +57,10 @@ NUMBERS: dict[type, dict[str, Schema]] = {
     arms.Hand: {"joint": {"minimum": 1}},
     arms.ChainModel: {"self_collision": _NOT_NEGATIVE},
     Approach: {"within": {"minimum": 0, "maximum": math.pi}},
+    Hold: {"seconds": _NOT_NEGATIVE, "relative_speed": _POSITIVE},
+    Place: {"within": _POSITIVE},
+    Margin: dict.fromkeys(("now", "rate"), _NOT_NEGATIVE),
+    Body: {"ignore_for": _POSITIVE},
     Disc: {"radius": _POSITIVE},
     Sphere: {"radius": _POSITIVE},
     Box: {"half_extents": _POSITIVE},
@@ -78,6 +82,7 @@ CHOICES: dict[type, dict[str, tuple[str, ...]]] = {
     arms.Arm: {"elbow": arms.ELBOWS},
     arms.ChainJoint: {"type": arms.JOINT_TYPES},
     Body: {"role": ROLES},
+    Situation: {"end": ENDS},
 }
 """Strings that are known in fields."""
 
@@ -94,10 +99,10 @@ def _document(name: str, schema: Schema) -> Schema:
 
 def _situation(version: Format) -> Schema:
     """Return the schema of a situation."""
-    absent = {*version.absent} | (set() if version.planes else {"plane"})
+    absent = {*version.absent["situation"]} | (set() if version.planes else {"plane"})
     given = {
         "format": {"const": version.name},
-        "arm": {"anyOf": [_ARMS.of(kind)() for kind in version.kinds]},
+        "arm": {"anyOf": [_ARMS.of(kind)(version) for kind in version.kinds]},
         "bodies": {"type": "array", "contains": _has("role", "target")},
         "catch": {"enum": list(version.catches)},
     }
@@ -118,12 +123,24 @@ def _body(version: Format, shapes: Iterable[type]) -> Schema:
     given = {
         "shape": {"oneOf": [_object(s, {"kind": _kind(s)}, required=("kind",)) for s in shapes]},
         "motion": {"oneOf": [_motion(law) for law in known]},
+        "approach": _approach(version),
     }
-    result = _object(Body, given, absent=version.absent)
+    result = _object(Body, given, absent=version.absent["body"])
     if version.approach:
         result |= {"if": _within("role", {"const": "obstacle"})}
-        result |= {"then": _within("approach", False)}
+        result |= {"then": {"properties": dict.fromkeys(OF_TARGETS, False)}}
+    if version.holds:
+        result |= {"else": _within("margin", False)}
+        result |= {"dependentRequired": {name: [other] for name, other in WITH}}
     return result
+
+
+def _approach(version: Format) -> Schema:
+    """Return the schema of the approaches of a target."""
+    one = _object(Approach, absent=version.absent["approach"])
+    if not version.holds:
+        return one
+    return {"anyOf": [one, {"type": "array", "items": one, "minItems": 1, "maxItems": 2}]}
 
 
 def _motion(law: type) -> Schema:
@@ -145,21 +162,24 @@ def _model(name: str) -> Schema:
     return _object(arms.ChainModel, given, required=("format",), optional=("name",))
 
 
-def _spatial() -> Schema:
-    return _object(arms.SpatialArm, {"kind": _kind(arms.SpatialArm)}, required=("kind",))
+def _spatial(version: Format) -> Schema:
+    given = {"kind": _kind(arms.SpatialArm)}
+    return _object(arms.SpatialArm, given, required=("kind",), absent=version.absent["arm"])
 
 
-def _chain() -> Schema:
+def _chain(version: Format) -> Schema:
     numbers = {"type": "array", "items": _number(_POSITIVE)}
+    limits = {"anyOf": [numbers, {"type": "null"}]}
     index = {"type": "integer", "minimum": 0}
     link = [{"anyOf": [index, {"type": "string"}]}, {"type": "string"}]
     given = {
         "kind": _kind(arms.Chain),
         "model": {"anyOf": [{"type": "string"}, *map(_model, ARM_FORMATS)]},
-        "max_acceleration": {"anyOf": [numbers, {"type": "null"}]},
+        "max_acceleration": limits,
+        "max_jerk": limits,
         "ignore": {"type": "array", "items": {"type": "array", "prefixItems": link, **_pair()}},
     }
-    return _object(arms.Chain, given, required=("kind",))
+    return _object(arms.Chain, given, required=("kind",), absent=version.absent["arm"])
 
 
 def _pair() -> Schema:
@@ -239,6 +259,6 @@ def _number(bounds: Schema) -> Schema:
     return {"type": "number", "minimum": -LARGEST, "maximum": LARGEST, **bounds}
 
 
-_ARMS: arms.ByKind[Callable[[], Schema]] = arms.ByKind(
-    {arms.PLANAR: lambda: _object(arms.Arm), arms.SPATIAL: _spatial, arms.CHAIN: _chain}
+_ARMS: arms.ByKind[Callable[[Format], Schema]] = arms.ByKind(
+    {arms.PLANAR: lambda version: _object(arms.Arm), arms.SPATIAL: _spatial, arms.CHAIN: _chain}
 )

@@ -3,45 +3,22 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Generic
 
 from gcm_learn import arms, checks
 from gcm_learn.errors import ArmKindError, SituationError
+from gcm_learn.situation.asked import (
+    check_asked,
+    check_start,
+    newer_of_arm,
+    with_jerk_of_model,
+    without_jerk,
+)
 from gcm_learn.situation.body import Body
-from gcm_learn.situation.laws import CATCHES, FORMATS
+from gcm_learn.situation.laws import CATCHES, ENDS, FORMATS
 from gcm_learn.situation.motion import MOST_PERIODS, Pendulum
-
-SLACK = 1e-6
-"""Share by which the hand may be over its limit at t = 0."""
-CHECKED = ("gcm-learn/situation@3",)
-"""Formats in which the hand's speed at t = 0 is checked."""
-
-_RATES = arms.ByKind({arms.CHAIN: "rates"}, default="joint_rates")
-"""Names of the rates at t = 0 in files."""
-
-
-def check_start(arm: Any, bodies: Iterable[Body], version: str) -> None:
-    """Refuse pairs of unknown obstacles, and rates beyond the hand's limit.
-
-    Parameters
-    ----------
-    arm : Arm, SpatialArm or Chain
-    bodies : iterable of Body
-    version : str
-        Format of the situation.
-    """
-    for k, (_, name) in enumerate(getattr(arm, "ignore", ())):
-        if not any(body.name == name and body.role == "obstacle" for body in bodies):
-            raise SituationError(f"arm.ignore[{k}]", arms.unknown_obstacle(name))
-    rates: tuple[float, ...] = getattr(arm, "joint_rates", None) or ()
-    if version in CHECKED and arm.max_hand_speed is not None and any(rates):
-        speed = arms.hand_speed(arm, arm.joints, rates)
-        if speed > arm.max_hand_speed * (1.0 + SLACK):
-            reason = f"move the hand at {speed:.6g} (max {arm.max_hand_speed:g})"
-            raise SituationError(f"arm.{_RATES.of(arm)}", reason)
-
 
 _CALLED = arms.ByKind(
     {arms.PLANAR: "planar", arms.SPATIAL: "spatial", arms.CHAIN: "a chain"},
@@ -113,9 +90,15 @@ class Situation(Generic[ArmKind]):
         The arm's plane, present exactly when a planar arm is in a 3D scene.
     catch : {"any", "all", "most"}
         Targets to be caught: one of them, every one, or as many as possible.  Only
-        ``gcm-learn/situation@3`` has more than "any".
+        ``gcm-learn/situation@3`` and ``@4`` have more than "any".
     format : str, optional
-        Version of the exchange format; the first one of the arm's kind by default.
+        Version of the exchange format.  By default the first one of the arm's kind, or ``@4`` where
+        one of its fields is used.  A model's limits of jerk alone do not ask for ``@4``, without
+        which they do not count.
+    end : {"free", "rest"}
+        Motion of the arm at the end: any, or none.
+    end_by : float, optional
+        Time at which the whole movement has ended, not negative; any time when absent [s].
     """
 
     name: str
@@ -125,6 +108,8 @@ class Situation(Generic[ArmKind]):
     plane: Plane | None = None
     catch: str = "any"
     format: str = ""
+    end: str = "free"
+    end_by: float | None = None
 
     def __post_init__(self) -> None:
         """Check the fields, then the bodies against each other, the format and the arm."""
@@ -132,20 +117,24 @@ class Situation(Generic[ArmKind]):
         checks.put(self, "horizon", checks.positive(self.horizon, "horizon"))
         if not arms.is_arm(self.arm):
             raise SituationError("arm", f"must be an arm (got {checks.show(self.arm)})")
+        checks.put(self, "end", checks.choice(self.end, "end", ENDS))
+        if self.end_by is not None:
+            checks.put(self, "end_by", checks.non_negative(self.end_by, "end_by"))
+        checks.put(self, "bodies", tuple(checks.sequence(self.bodies, "bodies", "bodies")))
         self._check_format()
         if self.plane is not None and not isinstance(self.arm, arms.Arm):
             raise SituationError("plane", f"is for planar arms (the arm is {_CALLED.of(self)})")
         if self.plane is not None and not isinstance(self.plane, Plane):
             raise SituationError("plane", f"must be a plane (got {checks.show(self.plane)})")
-        checks.put(self, "bodies", tuple(checks.sequence(self.bodies, "bodies", "bodies")))
         self._check_bodies()
         check_start(self.arm, self.bodies, self.format)
+        check_asked(self.arm, self.bodies, self.end)
 
     def _check_format(self) -> None:
         """Fill in the format, and refuse one that does not have such an arm or catch."""
-        kind = arms.kind_of(self.arm)
+        kind, newer = arms.kind_of(self.arm), tuple(self._newer())
         if not self.format:
-            checks.put(self, "format", kind.formats[0])
+            checks.put(self, "format", kind.formats[-1 if newer else 0])
         checks.put(self, "format", checks.choice(self.format, "format", kind.formats))
         catches = FORMATS[self.format].catches
         if self.catch in CATCHES and self.catch not in catches:
@@ -153,6 +142,21 @@ class Situation(Generic[ArmKind]):
                 "catch", f"{checks.quote(self.catch)} is not known to {self.format}"
             )
         checks.put(self, "catch", checks.choice(self.catch, "catch", catches))
+        if FORMATS[self.format].holds:
+            return
+        for field in newer:
+            raise SituationError(field, f"is not known to {self.format}")
+        checks.put(self, "arm", without_jerk(self.arm))
+
+    def _newer(self) -> Iterator[str]:
+        """Yield the fields in use that ``gcm-learn/situation@4`` adds."""
+        if self.end != ENDS[0]:
+            yield "end"
+        if self.end_by is not None:
+            yield "end_by"
+        yield from newer_of_arm(self.arm)
+        for k, body in enumerate(self.bodies):
+            yield from (f"bodies[{k}].{name}" for name in getattr(body, "newer", ()))
 
     def _check_bodies(self) -> None:
         """Refuse duplicate names, bodies of the other dimension and scenes without a target."""
@@ -194,7 +198,7 @@ class Situation(Generic[ArmKind]):
         if not isinstance(body.motion, known.motions):
             reason = f"{checks.quote(body.motion.kind)} is not known to {self.format}"
             raise SituationError(f"{field}.motion.kind", reason)
-        if body.approach is not None and not known.approach:
+        if body.approach and not known.approach:
             raise SituationError(f"{field}.approach", f"is not known to {self.format}")
 
     @property
@@ -250,3 +254,24 @@ def spatial(situation: AnySituation, who: str) -> Situation[arms.SpatialArm]:
     if isinstance(situation.arm, arms.SpatialArm):
         return situation
     raise ArmKindError(f"{who} takes spatial arms only (situation {checks.quote(situation.name)})")
+
+
+def with_end(situation: Situation[Any], end: str) -> Situation[Any]:
+    """Return the situation with another end, in the newest format of its arm.
+
+    Limits of jerk count there wherever the arm has them.
+
+    Parameters
+    ----------
+    situation : Situation
+    end : {"free", "rest"}
+
+    Raises
+    ------
+    SituationError
+        If the arm is to rest, but has no limits of acceleration.
+    """
+    arm, newest = situation.arm, arms.kind_of(situation).formats[-1]
+    if situation.format != newest and isinstance(arm, arms.Chain):
+        arm = with_jerk_of_model(arm)
+    return replace(situation, arm=arm, end=end, format=newest)

@@ -13,6 +13,7 @@ from gcm_learn.arms import Chain, hands_along, limb_of_chain, limbs, links_along
 from gcm_learn.arms.chain_limb import travel
 from gcm_learn.arms.curves import hermite, on_curve
 from gcm_learn.motion.joint_verification import hand_too_fast
+from gcm_learn.situation import FORMATS
 from gcm_learn.situation.arm_files import arm_members
 from tests import strategies
 from tests.geometry import arm_of, hand_of, links_of
@@ -26,7 +27,7 @@ EACH = pytest.mark.parametrize("arms", [strategies.chains(), TREES], ids=["chain
 
 def judged(arm):
     """An arm as the referee reads it."""
-    return arm_of(arm_members(arm))
+    return arm_of(arm_members(arm, FORMATS["gcm-learn/situation@3"]))
 
 
 def postures(arm, seed, count):

@@ -52,8 +52,7 @@ def test_a_posture_meets_the_target_in_time_and_is_free_there(name, limits):
         there = replace(situation, arm=replace(arm, joints=tuple(way.end), joint_rates=None))
         rooms = stage.rooms(situation.obstacles, way.end[None], [way.when], there.arm)
         assert rooms[0] > 0.0
-        approach = situation.targets[0].approach
-        if approach is not None:
+        for approach in situation.targets[0].approach:
             assert turn @ approach.axis @ way.axis == pytest.approx(1.0, abs=1e-9)
 
 
@@ -153,7 +152,7 @@ def test_presets_draw_their_families_in_turns(name):
         own = family.draw(seeding.rng(7, k), situation.name)
         assert own == situation
         assert name.startswith("space") or situation.arm.model == shipped_arm("panda")
-        directed = all(target.approach is not None for target in situation.targets)
+        directed = all(target.approach for target in situation.targets)
         assert directed == name.startswith("panda-crowded")
         assert situation.catch == ("most" if name.endswith("sequences") else "any")
     limited = drawn[0].arm.max_joint_acceleration is not None

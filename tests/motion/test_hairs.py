@@ -185,7 +185,7 @@ def test_an_approach_is_kept_up_to_a_hair():
     aside = np.cos(0.3) * ahead + np.sin(0.3) * other / np.linalg.norm(other)
     for extra, wrong in ((1.9, None), (2.1, Failure.MISSED)):
         approach = Approach(tuple(aside.tolist()), 0.3 - extra * ANGLE)
-        target = replace(situation.bodies[0], approach=approach)
+        target = replace(situation.bodies[0], approach=(approach,))
         third = replace(situation, bodies=(target,), format="gcm-learn/situation@3")
         assert failure(third, time, joints) is wrong
 

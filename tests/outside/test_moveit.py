@@ -44,8 +44,8 @@ def test_the_target_rests_where_the_hand_is_in_the_goal_posture(shelf):
     (target,) = first.targets
     (hand,), (axis,) = hands_along(first.arm, [GOAL])
     np.testing.assert_allclose(target.motion.position, hand, atol=1e-12)
-    np.testing.assert_allclose(target.approach.axis, axis, atol=1e-9)
-    assert target.approach.within == 0.2
+    np.testing.assert_allclose(target.approach[0].axis, axis, atol=1e-9)
+    assert target.approach[0].within == 0.2
 
 
 def test_poses_of_frames_objects_and_primitives_are_joined(shelf):

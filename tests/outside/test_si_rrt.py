@@ -30,7 +30,7 @@ def test_a_scene_becomes_a_situation(flying):
     (hand,), (axis,) = hands_along(situation.arm, [given["end_configuration"]])
     (target,) = situation.targets
     np.testing.assert_allclose(target.motion.position, hand, atol=1e-12)
-    np.testing.assert_allclose(target.approach.axis, axis, atol=1e-9)
+    np.testing.assert_allclose(target.approach[0].axis, axis, atol=1e-9)
     kinds = {body.name: body.motion.kind for body in situation.obstacles}
     assert kinds == {
         "stand": "quadratic", "slider": "sampled", "lid": "sampled", "still": "quadratic",

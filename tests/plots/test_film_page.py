@@ -57,7 +57,7 @@ def test_solids_are_where_the_arm_and_the_bodies_are(case):
     places = body_poses(situation, [0.0])[0][0]
     for body, place in zip(situation.bodies, places, strict=True):
         np.testing.assert_allclose(named[body.name]["centre"][0], place, atol=1e-4)
-        assert (f"approach of {body.name}" in named) == (body.approach is not None)
+        assert (f"approach of {body.name}" in named) == bool(body.approach)
     way = data["ways"][0]
     assert [way["x"][0], way["y"][0], way["z"][0]] == pytest.approx(named["hand"]["centre"][0])
 

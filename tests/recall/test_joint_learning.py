@@ -117,12 +117,12 @@ def test_each_obstacle_is_seen_alone_and_those_far_away_are_not(case):
 
 def test_the_approach_of_a_chain_is_seen():
     drawn = (families.draw("handover-chain", 34, k) for k in range(40))
-    situation = next(s for s in drawn if s.targets[0].approach is not None)
+    situation = next(s for s in drawn if s.targets[0].approach)
     target = situation.targets[0]
-    without = replace(situation, bodies=(replace(target, approach=None), *situation.obstacles))
+    without = replace(situation, bodies=(replace(target, approach=()), *situation.obstacles))
     mine, other = posture_features(situation).context[-32:], posture_features(without).context[-32:]
     assert np.allclose(np.linalg.norm(mine[:30].reshape(10, 3), axis=1), 1.0, atol=1e-6)
-    assert mine[30] == 1.0 and mine[31] == pytest.approx(math.cos(target.approach.within))
+    assert mine[30] == 1.0 and mine[31] == pytest.approx(math.cos(target.approach[0].within))
     assert not other.any()
 
 

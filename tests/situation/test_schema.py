@@ -31,7 +31,7 @@ def valid(obj):
 
 
 def test_schemas_are_schemas():
-    named = [*(f"situation@{version}" for version in (1, 2, 3)), "arm@1", "arm@2"]
+    named = [*(f"situation@{version}" for version in (1, 2, 3, 4)), "arm@1", "arm@2"]
     assert list(VALIDATORS) == [f"gcm-learn/{name}" for name in named]
     for schema in records.schemas().values():
         jsonschema.Draft202012Validator.check_schema(schema)

@@ -61,13 +61,13 @@ def test_records_know_what_their_version_has():
         "arm": records.situation_from_json(OLDER).arm,
         "bodies": (still,),
     }
-    second, third = "gcm-learn/situation@2", "gcm-learn/situation@3"
+    second, third, fourth = (f"gcm-learn/situation@{k}" for k in (2, 3, 4))
     assert records.Situation(**given).format == second
     assert records.Situation(**given | {"bodies": (body,)}, format=third).format == third
     for field, value, reason in (
         ("bodies", (body,), f'[0].motion.kind: "piecewise" is not known to {second}'),
         ("catch", "all", f': "all" is not known to {second}'),
-        ("format", "@1", f': must be "{second}" or "{third}" (got "@1")'),
+        ("format", "@1", f': must be "{second}" or "{third}" or "{fourth}" (got "@1")'),
     ):
         assert (
             refusal(SituationError, records.Situation, **given | {field: value}) == field + reason

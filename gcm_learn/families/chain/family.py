@@ -228,7 +228,7 @@ class ChainFamily(Family):
             if body.role == "target":
                 _, turn = pose(situation, k, way.when)
                 approach = Approach(triple(turn.T @ way.axis), within)
-                body = replace(body, approach=approach)
+                body = replace(body, approach=(approach,))
             bodies.append(body)
         return replace(situation, bodies=tuple(bodies))
 

@@ -259,7 +259,7 @@ class SequenceSpace(family.SpatialFamily):
         """Draw once, the limb free or not; most of the balls are wanted."""
         drawn = super().sketch(rng, name)
         catch = "most" if len(drawn.targets) > 1 else "any"
-        return replace(drawn, catch=catch, format=SPATIAL.formats[-1])
+        return replace(drawn, catch=catch, format=SPATIAL.formats[1])
 
     def _passing(
         self, rng: np.random.Generator, stage: SpaceStage, way: SpaceWay, when: float

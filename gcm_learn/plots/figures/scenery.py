@@ -273,7 +273,7 @@ def key_below(figure: Figure, situation: rendering.JointSituation) -> None:
         Line2D([], [], color=tint, lw=2.5, label="hand's path"),
         Line2D([], [], color=tint, lw=2.0, ls=(0, (2, 1)), label="target's path"),
     ]
-    if any(body.approach is not None for body in situation.bodies):
+    if any(body.approach for body in situation.bodies):
         handles[2:2] = [Patch(color=rendering.APPROACH, label="approach")]
     figure.legend(
         handles=handles, loc="outside lower center", ncols=len(handles), fontsize=style.SMALL,

@@ -75,7 +75,7 @@ def write_film_page(situation: rendering.JointSituation, plan: Plan, path: str |
 
 def _key(situation: rendering.JointSituation, data: dict[str, Any]) -> tuple[tuple[str, str], ...]:
     """Return colours and what they mean."""
-    approached = any(body.approach is not None for body in situation.bodies)
+    approached = any(bool(body.approach) for body in situation.bodies)
     missed = any(solid["colour"] == MISSED for solid in data["solids"])
     return (
         KEY + missed * NOT_CAUGHT + approached * APPROACHED + (data["hands"] is not None) * IN_HANDS
@@ -185,7 +185,7 @@ def _bodies(
         level = ground is not None and body is ground.body
         colour = GROUND if level else MISSED if missed else rendering.body_colour(body)
         out.append(_solid(corners, body.name, colour, *poses, flat=flat) | seen)
-        if body.approach is not None:
+        if body.approach:
             arrow, name = rendering.approach_corners(situation, body), f"approach of {body.name}"
             out.append(_solid(arrow, name, rendering.APPROACH, *poses, flat=True) | seen)
     return out

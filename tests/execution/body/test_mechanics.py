@@ -230,7 +230,7 @@ RESTING = Movement(PANDA, np.zeros(1), np.array([READY]))
 def test_a_catch_keeps_its_approach(turn, outcome):
     side = np.cross(AXIS, (1.0, 0.0, 0.0))
     axis = tuple(np.cos(turn) * AXIS + np.sin(turn) * side / np.linalg.norm(side))
-    target = solid_ball("o", HAND, role="target", radius=0.01, approach=Approach(axis, 0.5))
+    target = solid_ball("o", HAND, role="target", radius=0.01, approach=(Approach(axis, 0.5),))
     plant = PhysicalPlant(among(PANDA, target, horizon=0.1), read_body("panda"))
     plant.follow(RESTING, 0.1)
     assert plant.outcome == outcome
