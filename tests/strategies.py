@@ -310,6 +310,43 @@ def situations(max_bodies=3):
     return planar_situations(max_bodies) | solid_situations(max_bodies)
 
 
+@st.composite
+def fourth_situations(draw, max_bodies=3):
+    """Valid situations of version 4: those of version 3 with all that it adds."""
+    third = draw(third_situations(max_bodies))
+    arm, limited = third.arm, third.arm.max_joint_acceleration is not None
+    if limited and draw(st.booleans()):
+        arm = replace(
+            arm, max_joint_jerk=draw(vectors(len(arm.joints), st.floats(1.0, 1e4))),
+            joint_accelerations=tuple(draw(st.floats(-a, a)) for a in arm.max_joint_acceleration),
+        )  # fmt: skip
+    names = tuple(body.name for body in third.obstacles)
+    bodies = [draw(_asked(body, limited, names)) for body in third.bodies]
+    end = draw(st.sampled_from(situation.ENDS)) if limited else "free"
+    end_by = draw(st.none() | st.floats(0.0, 9.0))
+    form = "gcm-learn/situation@4"
+    return replace(third, arm=arm, bodies=bodies, end=end, end_by=end_by, format=form)
+
+
+@st.composite
+def _asked(draw, body, limited, names):
+    """A body with a margin, or with approaches, a hold and a place."""
+    if body.role == "obstacle":
+        margins = st.builds(situation.Margin, lengths, lengths)
+        return replace(body, margin=draw(st.none() | margins))
+    first = situation.Approach(draw(unit_vectors()), abs(draw(angles)), draw(unit_vectors()))
+    second = situation.Approach(draw(unit_vectors()), math.pi)
+    approach = draw(st.sampled_from([(), (first,), (first, second)]))
+    body = replace(body, approach=approach)
+    if not limited:
+        return body
+    held = replace(body, hold=situation.Hold(draw(lengths), draw(lengths)))
+    placed = replace(held, place=situation.Place(draw(vectors(3)), draw(lengths)))
+    carried = replace(placed, ignore=names, ignore_for=draw(lengths) if names else None)
+    return draw(st.sampled_from([body, held, placed, carried]))
+
+
 def any_situations(max_bodies=3):
     """Valid situations with any arm."""
-    return situations(max_bodies) | spatial_situations(max_bodies) | third_situations(max_bodies)
+    older = situations(max_bodies) | spatial_situations(max_bodies)
+    return older | third_situations(max_bodies) | fourth_situations(max_bodies)

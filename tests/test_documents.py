@@ -193,8 +193,9 @@ def test_the_situation_has_the_solution_that_is_shown(tmp_path, capsys):
 
 def test_exchange_example_is_a_situation_and_its_fields_are_the_solutions():
     examples = [json.loads(text) for text in blocks(ROOT / "docs" / "exchange.md", "json")]
-    situation, spatial, chain = map(situation_from_json, examples)
+    situation, spatial, chain, pick = map(situation_from_json, examples)
     assert (situation.name, spatial.name, chain.name) == ("ball-and-post", "nao-1", "reach")
+    assert pick.end == "rest" and pick.targets[0].place.within == 0.02
     assert spatial.is_spatial and not situation.is_spatial
     caught = solve(situation, "layered")
     first_arrival = [solve(situation, name) for name in ("gcm", "marching")]

@@ -55,6 +55,10 @@ class Solve:
     index: Annotated[int | None, WHOLE, given("N", "all")] = None
     """only this situation of the file, counted from 0"""
 
+    end: Literal["given", "free", "rest"] = "given"
+    """how movements end, if not as the file says: rest asks for a stop, which takes limits of
+    acceleration"""
+
     out: Output = None
     """where the solutions go"""
 
@@ -79,7 +83,7 @@ class Solve:
         planner = self._planner()
         if self.deadline is not None and not getattr(planner, "anytime", False):
             raise CommandFailure(f"--deadline: planner {planner.name!r} takes no deadline")
-        situations = read(self.file, planner, self.index)
+        situations = _ended(read(self.file, planner, self.index), self.end, self.file)
         files.refuse_same({"FILE": Path(self.file), "--out": self.out, "--film": self.film})
         with contextlib.ExitStack() as stack:
             draws: list[Draw] = []
@@ -135,6 +139,18 @@ def read(file: str, planner: Planner | None = None, index: int | None = None) ->
             raise CommandFailure(f"--index {index}: {held}")
         found = [found[index]]
     return [taken(planner, situation) for situation in found]
+
+
+def _ended(situations: list[AnySituation], end: str, file: str) -> list[AnySituation]:
+    """Return the situations, which end at rest or freely if `end` says so."""
+    from gcm_learn.situation import ENDS, with_end
+
+    if end not in ENDS:
+        return situations
+    try:
+        return [with_end(situation, end) for situation in situations]
+    except SituationError as error:
+        raise CommandFailure(f"{file}: {error}") from error
 
 
 def _refuse_limits(planner: Planner, situation: AnySituation) -> None:

@@ -91,7 +91,7 @@ def _body(obj: object, path: str, reading: Reading, shapes: dict[str, type[Shape
     check_names(members, path, Body, absent=reading.format.absent["body"])
     place, shape = f"{path}.shape", members["shape"]
     if reading.format.holds and isinstance(shape, dict) and shape.get("kind") in UNREAD:
-        raise SituationError(f"{place}.kind", f"{shape['kind']!r} is not read yet")
+        raise SituationError(f"{place}.kind", f"{quote(shape['kind'])} is not read yet")
     record = shapes[kind_from(shape, place, tuple(shapes))]
     shape = record_from(record, shape, place, extra=("kind",))
     motion = _motion(members["motion"], f"{path}.motion", isinstance(shape, SOLID), reading)

@@ -269,9 +269,13 @@ def with_end(situation: Situation[Any], end: str) -> Situation[Any]:
     Raises
     ------
     SituationError
-        If the arm is to rest, but has no limits of acceleration.
+        If the arm is to rest, but has no limits of acceleration; the situation is named.
     """
     arm, newest = situation.arm, arms.kind_of(situation).formats[-1]
     if situation.format != newest and isinstance(arm, arms.Chain):
         arm = with_jerk_of_model(arm)
-    return replace(situation, arm=arm, end=end, format=newest)
+    try:
+        return replace(situation, arm=arm, end=end, format=newest)
+    except SituationError as error:
+        name = checks.quote(situation.name)
+        raise SituationError(error.field, f"{error.reason} (situation {name})") from None

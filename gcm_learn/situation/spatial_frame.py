@@ -11,12 +11,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import chain
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from gcm_learn.arms import IDENTITY, Base, Chain, SpatialArm, rotation_of
-from gcm_learn.situation.body import Body
+from gcm_learn.situation.body import Approach, Body
 from gcm_learn.situation.laws import carried, sides
 from gcm_learn.situation.situation import AnySituation, Plane, Situation
 
@@ -101,7 +102,8 @@ def _sides_of_arm(arm: SpatialArm, small: float) -> Iterator[tuple[float, float]
     """Yield numbers that a mirror negates, and what of them is nothing."""
     yield from ((low + high, NOTHING) for low, high in arm.joint_range[1:])
     yield from ((bone[1], small) for bone in (arm.upper_arm, arm.forearm))
-    yield from ((value, NOTHING) for value in (*arm.joints[1:], *(arm.joint_rates or ())[1:]))
+    for start in (arm.joints, arm.joint_rates, arm.joint_accelerations):
+        yield from ((value, NOTHING) for value in (start or ())[1:])
 
 
 def _sides_of_bodies(
@@ -110,6 +112,9 @@ def _sides_of_bodies(
     """Yield the same of the bodies, in the frame of the base."""
     for body in _in_base(situation, mirrored=False):
         yield from ((value, small) for value in sides(body.motion))  # type: ignore[arg-type]
+        yield from ((one.axis[1], NOTHING) for one in body.approach)
+        if body.place is not None:
+            yield body.place.position[1], small
 
 
 def canonical_in_space(
@@ -136,24 +141,37 @@ def _in_base(
     rows, origin = arm_frame(situation)
     turn = rows * _MIRROR[:, None] if mirrored else rows
     for body in situation.bodies:
-        yield replace(body, motion=carried(body.motion, turn, origin))  # type: ignore[arg-type]
+        place, motion = body.place, carried(body.motion, turn, origin)  # type: ignore[arg-type]
+        if place is not None:
+            there = turn @ (np.asarray(place.position) - origin)
+            place = replace(place, position=tuple(there.tolist()))
+        approach = tuple(map(_mirrored_approach, body.approach)) if mirrored else body.approach
+        yield replace(body, motion=motion, place=place, approach=approach)
+
+
+def _mirrored_approach(approach: Approach) -> Approach:
+    """The approach as a mirror shows it, which reflects body and forearm in their xz-planes."""
+    hand = None if approach.hand is None else _bone(approach.hand)
+    return replace(approach, axis=_bone(approach.axis), hand=hand)
+
+
+def _bone(v: tuple[float, float, float]) -> tuple[float, float, float]:
+    return (v[0], 0.0 - v[1], v[2])
 
 
 def _mirrored(arm: SpatialArm) -> SpatialArm:
     """The arm as a mirror in the xz-plane of its base shows it."""
 
-    def bone(v: tuple[float, float, float]) -> tuple[float, float, float]:
-        return (v[0], 0.0 - v[1], v[2])
-
-    def turned(q: tuple[float, ...]) -> tuple[float, float, float, float]:
-        return (q[0], 0.0 - q[1], 0.0 - q[2], 0.0 - q[3])
+    def turned(q: tuple[float, ...] | None) -> Any:
+        return None if q is None else (q[0], 0.0 - q[1], 0.0 - q[2], 0.0 - q[3])
 
     ranges = ((0.0 - high, 0.0 - low) for low, high in arm.joint_range[1:])
     return replace(
         arm,
-        upper_arm=bone(arm.upper_arm),
-        forearm=bone(arm.forearm),
+        upper_arm=_bone(arm.upper_arm),
+        forearm=_bone(arm.forearm),
         joint_range=(arm.joint_range[0], *ranges),
         joints=turned(arm.joints),
-        joint_rates=None if arm.joint_rates is None else turned(arm.joint_rates),
+        joint_rates=turned(arm.joint_rates),
+        joint_accelerations=turned(arm.joint_accelerations),
     )

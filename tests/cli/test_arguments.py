@@ -34,6 +34,7 @@ MISTAKES = [
     ("solve a.json --planner", "--planner"),
     ("solve a.json --deadline 20", "--deadline: '20' is no time with a unit, such as 20ms"),
     ("solve a.json --deadline -1ms", "--deadline: '-1ms' is no time with a unit"),
+    ("solve a.json --end up", "--end"),
     ("solve a.json --index -1", "--index -1: must be at least 0 (see gcm-learn solve --help)"),
     ("solve a.json --planner straight --deadline 5ms", "planner 'straight' takes no deadline"),
     ("execute a.json --noise abc", ": --noise: no number: 'abc' (see"),

@@ -270,6 +270,14 @@ def test_a_planner_that_cannot_keep_limits_of_acceleration_refuses(name, tmp_pat
     assert "accelerations are limited, which this planner cannot keep; search, recall" in err
 
 
+def test_a_stop_is_refused_to_arms_without_limits_of_acceleration(tmp_path, capsys):
+    write_situations(tmp_path / "panda.jsonl", [families.draw("panda-easy", 0, 0)])
+    assert main(["solve", str(tmp_path / "panda.jsonl"), "--end", "rest"]) == 2
+    out, err = capsys.readouterr()
+    assert out == "" and err.count("\n") == 1
+    assert 'panda.jsonl: end: "rest" needs limits of acceleration' in err
+
+
 @pytest.mark.parametrize("name", ["recall", "hybrid"])
 def test_a_memory_of_another_arm_refuses_and_names_the_way_out(name, tmp_path, capsys):
     six = families.family_from_dict({"family": "throw-chain", "arm": {"model": "ur5"}})
