@@ -26,6 +26,7 @@ from gcm_learn.referee.limits import (
 )
 from gcm_learn.referee.motions import Body
 from gcm_learn.referee.rotations import Array, angle_of, rotations, unit
+from gcm_learn.referee.situations import UNIT
 from gcm_learn.referee.tolerances import (
     AT_LIMIT,
     RESTING,
@@ -239,7 +240,7 @@ def asked(situation: Mapping[str, Any], arm: JointArm) -> JointArm:
                 [unit(each.get(name, arm.axis)) for each in approach] for name in ("hand", "axis")
             )
             apart = abs(angle_of(*hands) - angle_of(*axes))
-            if apart > sum(each["within"] for each in approach):
+            if apart > sum(each["within"] for each in approach) + UNIT:  # axes are rounded
                 raise Unreadable(f"bodies[{k}].approach: no hand can keep both")
     return replace(arm, ends_at_rest=rests)
 

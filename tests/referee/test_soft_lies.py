@@ -136,6 +136,10 @@ LIES = {  # edits of the true answer, further ones that are a lie, and a part of
         wiggle(spin=1.5), wiggle(spin=1.7), "approaches box at an angle",
     ),
     "second approach": (tilted(0.04999), tilted(0.05001), "approaches box at an angle of 0.05001"),
+    "rounded approaches": (
+        {(*BOX, "approach", 0, "within"): 0, (*BOX, "approach", 1, "within"): 0},
+        {(*BOX, "approach", 1, "axis"): [0.000003, 0, 1]}, "approaches box at an angle of 3",
+    ),
     "hand of an approach": (
         {}, {(*BOX, "approach", 1, "hand"): [math.sin(0.051), 0.0, math.cos(0.051)]}, "approaches",
     ),
