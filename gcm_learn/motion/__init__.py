@@ -40,6 +40,7 @@ from gcm_learn.motion.verification import (
     HOLE_MARGIN as HOLE_MARGIN,
     PARTS as PARTS,
     RESOLUTION as RESOLUTION,
+    Ask as Ask,
     Verdict as Verdict,
     clearance as clearance,
     joint_turns as joint_turns,

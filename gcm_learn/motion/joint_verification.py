@@ -33,7 +33,7 @@ def judge(scene, touch, time, joints, rates, body):
     rates : (n, dof) ndarray
         (0, dof) where joints are linear between samples.
     body : int
-        The target that is caught at the end.
+        The target that is caught at the end; -1 if that is no catch.
     """
     desk, last = desk_of(scene), time.size - 1
     fault = _fault_at_ends(scene, time, joints, rates, body, desk)
@@ -120,6 +120,8 @@ def _fault_at_ends(scene, time, joints, rates, body, desk):
             return ELSEWHERE
         if not limb.low[j] <= joints[0, j] <= limb.high[j]:
             return RANGE
+    if body < 0:
+        return NOTHING
     if time[last] > scene.limits.horizon:
         return LATE
     where = place(limb, joints[last])
@@ -192,6 +194,21 @@ def _top_rate(curve, j):
 
 
 @njit(_nrt=False)
+def bends_of(curve, top):
+    """Sums over joints of the largest first, second and third derivative in a move, per share.
+
+    `top` (n,) gets the largest rates of the joints.
+    """
+    rates, bends, jolts = 0.0, 0.0, 0.0
+    for j in range(top.size):
+        top[j] = _top_rate(curve, j)
+        rates += top[j]
+        bends += max(abs(2.0 * curve[j, 2]), abs(2.0 * curve[j, 2] + 6.0 * curve[j, 3]))
+        jolts += 6.0 * abs(curve[j, 3])
+    return rates, bends, jolts
+
+
+@njit(_nrt=False)
 def hand_too_fast(limb, curve, most, q):
     """Return whether the hand's way per share of a move exceeds `most` anywhere.
 
@@ -199,11 +216,8 @@ def hand_too_fast(limb, curve, most, q):
     most an eighth of the width squared times a bound of the second derivative.  Each derivative
     turns the arm once more, or is of one joint alone.
     """
-    far, rates, bends, jolts = lever(limb), 0.0, 0.0, 0.0
-    for j in range(dof(limb)):
-        rates += _top_rate(curve, j)
-        bends += max(abs(2.0 * curve[j, 2]), abs(2.0 * curve[j, 2] + 6.0 * curve[j, 3]))
-        jolts += 6.0 * abs(curve[j, 3])
+    far = lever(limb)
+    rates, bends, jolts = bends_of(curve, q)
     if far * rates <= most:
         return False
     change = 0.125 * far * (rates**3 + 3.0 * rates * bends + jolts)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -10,7 +11,7 @@ from gcm_learn.arms import PLANAR, ByKind
 from gcm_learn.arms.planar_limb import joints_of
 from gcm_learn.collision.sweep import least_distance
 from gcm_learn.compiled import njit
-from gcm_learn.motion import joint_verification
+from gcm_learn.motion import holding, joint_verification
 from gcm_learn.motion.failures import Failure, Reason
 from gcm_learn.motion.movement import Movement
 from gcm_learn.motion.rules import CATCH_SAFETY, Rules
@@ -25,6 +26,7 @@ LARGEST_TURN = 0.5  # of a joint between two samples: more is a jump, e.g. at th
 HOLE_MARGIN = 1e-3  # chords between samples stay out of the hole [forearm lengths]
 STRAY = 8e-4  # of hands on joints that are linear between samples, from the path [forearm lengths]
 _ROUNDING = 1e-9  # relative, of the ring's radii
+_LATER = 5e-10  # of times, relative; the contract grants 1e-9
 _RIM = 1e-6  # nearer than this to the ring's rims joint speeds have no bound [forearm lengths]
 
 
@@ -136,7 +138,27 @@ FAULTS_OF_JOINTS = {
 _NO_RATES = np.empty((0, 4))
 
 
-def verify(scene: Scene, rules: Rules, trajectory: Movement, body: int) -> Verdict:
+class Ask(NamedTuple):
+    """A catch after which a movement goes on, and what is asked of its end."""
+
+    time: float  # of the catch [s]
+    until: float  # end of the hold [s]
+    forces: np.ndarray  # (n,): accelerations at t = 0
+    stops: bool  # whether the arm has to rest at the end
+    end_by: float  # time after which it may not go on [s]
+
+    @classmethod
+    def of(cls, situation: Any, time: float, until: float | None) -> Ask:
+        """Return what a situation asks of a catch at a time, and of a hold until another [s]."""
+        arm, end_by = situation.arm, situation.end_by
+        forces = np.array(arm.joint_accelerations or (0.0,) * len(arm.joints))
+        stops, end_by = situation.end == "rest", np.inf if end_by is None else end_by
+        return cls(time, time if until is None else until, forces, stops, end_by)
+
+
+def verify(
+    scene: Scene, rules: Rules, trajectory: Movement, body: int, ask: Ask | None = None
+) -> Verdict:
     """Check a trajectory against everything that "caught" promises.
 
     Parameters
@@ -147,13 +169,18 @@ def verify(scene: Scene, rules: Rules, trajectory: Movement, body: int) -> Verdi
     trajectory : Movement
         Of the scene's kind of arm.
     body : int
-        Index of the target that is caught at the trajectory's end.
+        Index of the target that is caught, at the trajectory's end unless `ask` says more.
+    ask : Ask, optional
+        For movements that go on after the catch; only of arms that move in their joints.
 
     Returns
     -------
     Verdict
     """
-    failure, distance, when = _JUDGES.of(scene)(scene, rules, trajectory, body)
+    if ask is None:
+        failure, distance, when = _JUDGES.of(scene)(scene, rules, trajectory, body)
+    else:
+        failure, distance, when = _judge_end(scene, rules, trajectory, body, ask)
     if failure is None:
         return Verdict(True, np.inf if distance > 1e200 else distance - scene.limb.thickness)
     reason = failure.with_numbers(when=when)
@@ -184,6 +211,37 @@ def _judge_joints(
         scene, rules.touch, trajectory.time, trajectory.joints, rates, body
     )
     return FAULTS_OF_JOINTS.get(fault), distance, when
+
+
+FAULTS_OF_HOLDS = {
+    holding.LOST: Failure.NOT_HELD,
+    holding.SLIPPED: Failure.SLIPS,
+    holding.TURNED: Failure.TURNS_AWAY,
+}
+
+
+def _judge_end(
+    scene: Scene, rules: Rules, trajectory: Movement, body: int, ask: Ask
+) -> tuple[Failure | None, float, float]:
+    """Return what is wrong, if anything, with a movement that goes on after the catch."""
+    end = trajectory.duration
+    if trajectory.rates is None:
+        return Failure.JOINT_ACCELERATION, 0.0, 0.0
+    if ask.time > scene.limits.horizon:
+        return Failure.LATE, 0.0, ask.time
+    if end > ask.end_by * (1.0 + _LATER):
+        return Failure.ENDS_LATE, 0.0, end
+    if ask.stops and not holding.rests(scene, trajectory):
+        return Failure.NOT_AT_REST, 0.0, end
+    failure = holding.limits_fault(scene, trajectory, ask.forces)
+    if failure is None:
+        fault = holding.catch_fault(
+            scene, body, ask.time, ask.until, trajectory.time, trajectory.joints, trajectory.rates
+        )
+        failure = FAULTS_OF_HOLDS.get(fault)
+    if failure is not None:
+        return failure, 0.0, ask.time
+    return _judge_joints(scene, rules, trajectory, -1)
 
 
 _JUDGES = ByKind({PLANAR: _judge_hand}, default=_judge_joints)

@@ -115,14 +115,17 @@ class Task:
         self, attempt: Attempt, clearance: float, cognitive_map: CognitiveMap | None = None
     ) -> Plan:
         """A plan with a verified catch."""
-        body = self.situation.bodies[attempt.body].name
+        target = self.situation.bodies[attempt.body]
+        body, time = target.name, attempt.time
+        time = attempt.trajectory.duration if time is None else time
         return Plan(
             name=self.situation.name,
             planner=self.planner,
             status="caught",
-            message=f"caught {body!r} at {attempt.trajectory.duration:.3f} s",
+            message=f"caught {body!r} at {time:.3f} s",
             planning_ms=self.elapsed_ms,
-            catch_time=attempt.trajectory.duration,
+            catch_time=time,
+            held_until=None if target.hold is None else attempt.until,
             catch_body=body,
             clearance=clearance,
             trajectory=attempt.trajectory,
@@ -134,10 +137,14 @@ class Task:
 
 @dataclass(frozen=True)
 class Attempt:
-    """A trajectory that ends at a target, not yet verified."""
+    """A trajectory to a target, not yet verified; it ends there unless it holds it."""
 
     trajectory: motion.Movement
     body: int
+    time: float | None = None
+    """Time of the catch [s]; the trajectory's end by default."""
+    until: float | None = None
+    """End of the hold [s]."""
 
 
 class Problem(Task):
@@ -173,15 +180,26 @@ class JointProblem(Task):
         """Return whether the joints' accelerations are limited."""
         return self.situation.arm.max_joint_acceleration is not None
 
-    def early_answer(self, keeps_acceleration: bool = False) -> Plan | None:
+    @property
+    def ends_by_touch(self) -> bool:
+        """Return whether a movement that ends with a touch answers the situation."""
+        situation = self.situation
+        held = any(target.hold is not None for target in situation.targets)
+        return not held and situation.end == "free" and situation.arm.max_joint_jerk is None
+
+    def early_answer(self, keeps_acceleration: bool = False, keeps_ends: bool = False) -> Plan | None:
         """Return the answer that needs no planning.
 
         Parameters
         ----------
         keeps_acceleration : bool
             Planners that do not keep limits of acceleration have no plan under them.
+        keeps_ends : bool
+            Others have no plan where a touch will not do.
         """
         early = super().early_answer()
+        if early is None and not keeps_ends and not self.ends_by_touch:
+            early = self.answer(motion.Failure.END_UNTAKEN)
         if early is None and self.accelerates and not keeps_acceleration:
             early = self.answer(motion.Failure.ACCELERATION_UNTAKEN)
         return early
@@ -349,7 +367,10 @@ def judged(
     problem: Task, attempt: Attempt, cognitive_map: CognitiveMap | None = None
 ) -> tuple[Plan | None, motion.Verdict]:
     """Verify an attempt: a plan if it holds, and the verdict."""
-    verdict = motion.verify(problem.scene, problem.rules, attempt.trajectory, attempt.body)
+    ask = None
+    if attempt.time is not None:
+        ask = motion.Ask.of(problem.situation, attempt.time, attempt.until)
+    verdict = motion.verify(problem.scene, problem.rules, attempt.trajectory, attempt.body, ask)
     if not verdict.good:
         return None, verdict
     return problem.caught(attempt, verdict.clearance, cognitive_map), verdict

@@ -15,7 +15,7 @@ import numpy as np
 from gcm_learn.arms import PLANAR, ByKind, Kind, kind_of
 from gcm_learn.errors import UnknownNameError
 from gcm_learn.maps import CognitiveMap
-from gcm_learn.motion import Movement, rules_of, start_clearance, verify, why_blocked
+from gcm_learn.motion import Ask, Movement, rules_of, start_clearance, verify, why_blocked
 from gcm_learn.planners.plan import Plan, takes
 from gcm_learn.planners.references import in_words, place_in
 from gcm_learn.processes import OutOfTime, time_limit
@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     from gcm_learn.planners.plan import Plan
 
 
+GOING_ON = ("gcm-learn/situation@4",)
+"""Formats in which a movement may go on after its catch."""
 PLACE_SLACK = 1e-9  # of times [s]
 JOINT_SLACK = 1e-6  # of joints that follow from hands [rad]
 
@@ -63,7 +65,8 @@ def judged_anew(situation: AnySituation, plan: Plan) -> tuple[str | None, float 
     fault = _missing(situation, plan)
     if fault is not None:
         return fault, None
-    if not abs(moves.duration - plan.catch_time) <= PLACE_SLACK:
+    goes_on = situation.format in GOING_ON
+    if not goes_on and not abs(moves.duration - plan.catch_time) <= PLACE_SLACK:
         return "does not end at the catch", None
     parts = (moves.time, moves.hand, moves.joints, moves.rates)
     if not all(np.isfinite(part).all() for part in parts if part is not None):
@@ -72,6 +75,8 @@ def judged_anew(situation: AnySituation, plan: Plan) -> tuple[str | None, float 
         fault = _missed_on_the_way(situation, moves, name, time)
         if fault is not None:
             return fault, None
+    if goes_on:
+        return _held_anew(situation, moves, plan)
     return verified_anew(situation, moves, plan.catch_body)
 
 
@@ -105,14 +110,35 @@ def _missed_on_the_way(
     return None if fault is None else f"{name!r}: {fault}"
 
 
-def verified_anew(
-    situation: AnySituation, moves: Movement, target: str
+def _held_anew(
+    situation: AnySituation, moves: Movement, plan: Plan
 ) -> tuple[str | None, float | None]:
-    """Return what verification says against a movement to a target, and the clearance."""
-    scene = pack(situation)
+    """Return what verification says against a movement that goes on after its catch."""
+    target = next(body for body in situation.targets if body.name == plan.catch_body)
+    time = float(plan.catch_time or 0.0)
+    seconds = 0.0 if target.hold is None else target.hold.seconds
+    until = time if plan.held_until is None else plan.held_until
+    if (plan.held_until is None) != (target.hold is None):
+        return "has a held_until where there is no hold, or none where there is one", None
+    if not abs(until - time - seconds) <= PLACE_SLACK:
+        return f"holds {target.name!r} for {until - time:g} s (must be {seconds:g})", None
+    for when in (time, until):
+        if not np.abs(moves.time - when).min() <= PLACE_SLACK:
+            return f"has no sample at {when:g} s", None
+    return verified_anew(situation, moves, target.name, Ask.of(situation, time, until))
+
+
+def verified_anew(
+    situation: AnySituation, moves: Movement, target: str, ask: Ask | None = None
+) -> tuple[str | None, float | None]:
+    """Return what verification says against a movement to a target, and the clearance.
+
+    For what may be asked of its end see `verify`.
+    """
+    scene = pack(situation, max(situation.horizon, moves.duration))
     body = [body.name for body in situation.bodies].index(target)
     rules = rules_of(scene)._replace(touch=scene.limb.thickness)  # planners keep a little more
-    verdict = verify(scene, rules, moves, body)
+    verdict = verify(scene, rules, moves, body, ask)
     if verdict.reason is not None:
         return str(verdict.reason), None
     if moves.path is not None and not _agree(moves, moves.path):
@@ -248,6 +274,9 @@ def _catch(told: dict[str, Any], situation: AnySituation) -> dict[str, Any]:
             "status": "caught",
             "catch_time": _number(told["catch_time"], "catch_time"),
             "catch_body": told["catch_body"] if type(told["catch_body"]) is str else None,
+            "held_until": None
+            if told["held_until"] is None
+            else _number(told["held_until"], "held_until"),
             "on_the_way": tuple(
                 (str(name), _number(time, "on_the_way")) for name, time in told["on_the_way"]
             ),

@@ -76,6 +76,8 @@ class Plan:
     """[s]"""
     catch_body: str | None = None
     """Name of the target that is caught."""
+    held_until: float | None = None
+    """End of the hold [s], where there is one."""
     clearance: float | None = None
     """Smallest distance of limb and obstacles, less the thickness [forearm lengths, or the unit of
     a spatial arm]; infinite without obstacles."""
@@ -103,11 +105,14 @@ class Plan:
 
     @property
     def catches(self) -> list[dict[str, Any]]:
-        """Targets that are caught, in order of time: `body` and `time` [s] of each."""
+        """Targets that are caught, in order of time: `body`, `time` [s], `held_until` [s]."""
         if self.catch_body is None:
             return []
         caught = (*self.on_the_way, (self.catch_body, self.catch_time))
-        return [{"body": body, "time": t} for body, t in caught]
+        listed: list[dict[str, Any]] = [{"body": body, "time": t} for body, t in caught]
+        if self.held_until is not None:
+            listed[-1]["held_until"] = self.held_until
+        return listed
 
 
 class Planner(Protocol):
@@ -229,9 +234,10 @@ COLUMNS = {
     "gcm-learn/solution@1": ("time", "hand", "joints"),
     "gcm-learn/solution@2": ("time", "joints", "hand", "elbow", "rates"),
     "gcm-learn/solution@3": ("time", "joints", "hand", "rates"),
+    "gcm-learn/solution@4": ("time", "joints", "hand", "rates"),
 }
 """Columns of a trajectory, in the order of each format."""
-LISTED = ("gcm-learn/solution@3",)
+LISTED = ("gcm-learn/solution@3", "gcm-learn/solution@4")
 """Formats that list all catches."""
 
 

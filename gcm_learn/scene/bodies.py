@@ -43,7 +43,9 @@ APPROACH = 41  # 3: direction in the body's frame from which a target is caught;
 WITHIN = 44  # largest angle of the hand's axis to it [rad]
 PIECES = 45  # number of pieces in the entry of `angles`; 0 for a pendulum
 BALL = 46  # 1 if the body is all of the ball that holds it, so that no turn can be seen
-COLUMNS = 47
+HOLD = 47  # how long a target is held after its catch [s]; -1 where a touch will do
+HOLD_SPEED = 48  # largest speed of the hand relative to it in the hold [lengths/s]
+COLUMNS = 49
 
 # Numbers of a piece; from POSITION to TURN they are those of a body's row.  They lie in `angles`,
 # two in a row: a table of their own would be one array more to hand on, which slows all kernels.
@@ -180,6 +182,18 @@ def swing_angle(bodies, b, t):
 
 
 @njit(_nrt=False)
+def swing_rate(bodies, b, t):
+    """Rate of pendulum b at time t: the derivative of `swing_angle`."""
+    table, step = bodies.angles, bodies.angle_step
+    row = int(bodies.rows[b, SWING])
+    k = min(max(int(t / step), 0), table.shape[1] - 2)
+    s, way = (t - k * step) / step, table[row, k + 1, 0] - table[row, k, 0]
+    first, last = table[row, k, 1], table[row, k + 1, 1]
+    bend = 3.0 * way / step - 2.0 * first - last
+    return first + s * (2.0 * bend + 3.0 * s * (first + last - 2.0 * way / step))
+
+
+@njit(_nrt=False)
 def _swing_pose(bodies, b, t, out):
     body = bodies.rows
     if body[b, PIECES] > 0.0:
@@ -299,23 +313,64 @@ def piece_end(bodies, b, p):
     return of_piece(bodies, b, p + 1, START)
 
 
-@njit(_nrt=False)
-def piece_velocity(bodies, b, t, x, y, z):
-    """Velocity (3) at t [s] of the point of body b, which has pieces, at (x, y, z)."""
-    p = piece_at(bodies, b, t)
-    since = t - of_piece(bodies, b, p, START)
-    half = 0.5 * since * since
-    wx, wy = of_piece(bodies, b, p, SPIN), of_piece(bodies, b, p, SPIN + 1)
-    wz = of_piece(bodies, b, p, SPIN + 2)
-    ax, ay = of_piece(bodies, b, p, ACCELERATION), of_piece(bodies, b, p, ACCELERATION + 1)
-    az = of_piece(bodies, b, p, ACCELERATION + 2)
-    vx, vy = of_piece(bodies, b, p, VELOCITY), of_piece(bodies, b, p, VELOCITY + 1)
-    vz = of_piece(bodies, b, p, VELOCITY + 2)
-    x -= of_piece(bodies, b, p, POSITION) + vx * since + ax * half
-    y -= of_piece(bodies, b, p, POSITION + 1) + vy * since + ay * half
-    z -= of_piece(bodies, b, p, POSITION + 2) + vz * since + az * half
-    return (
-        vx + ax * since + wy * z - wz * y,
-        vy + ay * since + wz * x - wx * z,
-        vz + az * since + wx * y - wy * x,
+@njit(_nrt=False, forceinline=True)
+def _velocity(number, bodies, b, p, t, place):
+    """Velocity (3) of the point of body b at `place` (3), at t [s] of a law's own time."""
+    half, (x, y, z) = 0.5 * t * t, place
+    wx, wy, wz = (
+        number(bodies, b, p, SPIN),
+        number(bodies, b, p, SPIN + 1),
+        number(bodies, b, p, SPIN + 2),
     )
+    ax, ay, az = (
+        number(bodies, b, p, ACCELERATION),
+        number(bodies, b, p, ACCELERATION + 1),
+        number(bodies, b, p, ACCELERATION + 2),
+    )
+    vx, vy, vz = (
+        number(bodies, b, p, VELOCITY),
+        number(bodies, b, p, VELOCITY + 1),
+        number(bodies, b, p, VELOCITY + 2),
+    )
+    x -= number(bodies, b, p, POSITION) + vx * t + ax * half
+    y -= number(bodies, b, p, POSITION + 1) + vy * t + ay * half
+    z -= number(bodies, b, p, POSITION + 2) + vz * t + az * half
+    return (
+        vx + ax * t + wy * z - wz * y,
+        vy + ay * t + wz * x - wx * z,
+        vz + az * t + wx * y - wy * x,
+    )
+
+
+@njit(_nrt=False)
+def velocity_by(bodies, b, p, t, place):
+    """Velocity (3) at t [s] of the point of body b at `place` (3), by piece p of its law.
+
+    Bodies without pieces have one law, whatever p is.
+    """
+    rows = bodies.rows
+    if rows[b, SWING] < 0.0:
+        return _velocity(of_row, bodies, b, 0, t, place)
+    if rows[b, PIECES] > 0.0:
+        return _velocity(of_piece, bodies, b, p, t - of_piece(bodies, b, p, START), place)
+    rate = swing_rate(bodies, b, t)
+    x, y, z = place[0] - rows[b, POSITION], place[1] - rows[b, POSITION + 1], place[2]
+    z -= rows[b, POSITION + 2]
+    wx, wy, wz = rate * rows[b, AXIS], rate * rows[b, AXIS + 1], rate * rows[b, AXIS + 2]
+    return wy * z - wz * y, wz * x - wx * z, wx * y - wy * x
+
+
+@njit(_nrt=False)
+def spin_by(bodies, b, p, t):
+    """Angular velocity (3) of body b at t [s], by piece p of its law; see `velocity_by`."""
+    rows = bodies.rows
+    if rows[b, SWING] < 0.0:
+        return rows[b, SPIN], rows[b, SPIN + 1], rows[b, SPIN + 2]
+    if rows[b, PIECES] > 0.0:
+        return (
+            of_piece(bodies, b, p, SPIN),
+            of_piece(bodies, b, p, SPIN + 1),
+            of_piece(bodies, b, p, SPIN + 2),
+        )
+    rate = swing_rate(bodies, b, t)
+    return rate * rows[b, AXIS], rate * rows[b, AXIS + 1], rate * rows[b, AXIS + 2]

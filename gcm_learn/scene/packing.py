@@ -35,6 +35,7 @@ class JointLimits(NamedTuple):
     speed: float  # of the hand [lengths/s]
     grasp: float  # signed distance of hand and target at which it is caught [lengths]
     horizon: float  # last moment at which a catch counts [s]
+    joint_jerk: np.ndarray  # (n,) [the same per third power of a second]
 
 
 class Scene(NamedTuple):
@@ -50,14 +51,19 @@ class Scene(NamedTuple):
 
 
 _UNTURNED = np.eye(3)
+AFTER = 4.0
+"""Time after the last hold in which an arm comes to rest [s]."""
 
 
-def pack(situation: AnySituation) -> Scene:
+def pack(situation: AnySituation, until: float | None = None) -> Scene:
     """Pack a situation into arrays and numbers, in coordinates of the arm's plane or base.
 
     Parameters
     ----------
     situation : Situation
+    until : float, optional
+        Last moment at which bodies are asked for; by default the horizon, and after it what holds
+        and stops take [s].
 
     Returns
     -------
@@ -66,7 +72,7 @@ def pack(situation: AnySituation) -> Scene:
     names = tuple(body.name for body in situation.bodies)
     limb = kind_of(situation).pack(situation.arm, names)
     limits = _LIMITS.of(situation)(situation)
-    return Scene(pack_bodies(situation), limb, limits)
+    return Scene(pack_bodies(situation, until), limb, limits)
 
 
 def _limits(situation: Any) -> Limits:
@@ -79,16 +85,18 @@ def _joint_limits(situation: Any) -> JointLimits:
     arm = situation.arm
     count = len(arm.joints)
     acceleration = arm.max_joint_acceleration or (math.inf,) * count
+    jerk = arm.max_joint_jerk or (math.inf,) * count
     speed = math.inf if arm.max_hand_speed is None else arm.max_hand_speed
     return JointLimits(
-        np.array(arm.max_joint_speed), np.array(acceleration), speed, arm.grasp, situation.horizon
-    )
+        np.array(arm.max_joint_speed), np.array(acceleration), speed, arm.grasp, situation.horizon,
+        np.array(jerk),
+    )  # fmt: skip
 
 
 _LIMITS: ByKind[Callable[[Any], Any]] = ByKind({PLANAR: _limits}, default=_joint_limits)
 
 
-def pack_bodies(situation: AnySituation) -> Bodies:
+def pack_bodies(situation: AnySituation, until: float | None = None) -> Bodies:
     """Pack a situation's bodies into arrays, in coordinates of the arm's plane or base.
 
     Parameters
@@ -96,6 +104,8 @@ def pack_bodies(situation: AnySituation) -> Bodies:
     situation : Situation
         Solids are turned into the frame (plane.x, plane.y, plane normal) of a planar arm, or that
         of a spatial arm's base.
+    until : float, optional
+        See `pack`.
 
     Returns
     -------
@@ -117,9 +127,12 @@ def pack_bodies(situation: AnySituation) -> Bodies:
         if body.approach:
             row[k.APPROACH : k.APPROACH + 3] = body.approach[0].axis
             row[k.WITHIN] = body.approach[0].within
+        row[k.HOLD] = -1.0
+        if body.hold is not None:
+            row[k.HOLD], row[k.HOLD_SPEED] = body.hold.seconds, body.hold.relative_speed
         row[k.SWING] = -1.0
         LAWS[type(motion)].place(row, tables, motion, view)
-        if entry.is_ball and not body.approach:  # no spin can be seen
+        if entry.is_ball and not body.approach and body.hold is None:  # no spin can be seen
             row[k.SPIN : k.SPIN + 3] = (0.0, 0.0, 0.0)
             if row[k.PIECES]:
                 tables[-1][:, k.SPIN : k.SPIN + 3] = 0.0
@@ -128,10 +141,18 @@ def pack_bodies(situation: AnySituation) -> Bodies:
         row[k.LAST] = len(vertices)
         made.append(row)
     rows = np.array(made, dtype=float).reshape(-1, k.COLUMNS)
-    step, angles = _tables_of(tables, situation.horizon)
+    end = _end_of(situation) if until is None else until
+    step, angles = _tables_of(tables, end)
     packed = Bodies(rows, np.array(vertices, dtype=float).reshape(-1, 2), angles, step)
-    _bound_speeds(packed, situation.horizon)
+    _bound_speeds(packed, end)
     return packed
+
+
+def _end_of(situation: Any) -> float:
+    """Return the time until which planned movements may go on [s]."""
+    holds = [body.hold.seconds for body in situation.targets if body.hold is not None]
+    goes_on = holds or situation.end == "rest"
+    return float(situation.horizon + (max(holds, default=0.0) + AFTER if goes_on else 0.0))
 
 
 def _tables_of(tables: Tables, horizon: float) -> tuple[float, np.ndarray]:

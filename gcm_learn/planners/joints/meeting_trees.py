@@ -13,9 +13,9 @@ import numpy as np
 
 from gcm_learn.collision.postures import free_at
 from gcm_learn.compiled import njit
+from gcm_learn.planners.joints.end_goals import draw_by
 from gcm_learn.planners.joints.moves import turning_time
 from gcm_learn.planners.joints.ramps import END_FREE, GIVEN, START_FREE
-from gcm_learn.planners.joints.tree_goals import draw_goal
 from gcm_learn.planners.joints.tree_moves import (
     FROM_CATCH,
     FROM_START,
@@ -31,7 +31,8 @@ from gcm_learn.planners.joints.trees import add_node, uniform
 from gcm_learn.planners.joints.ways import MOST, write, write_rates
 
 TRIES = 3  # nearest nodes of the other tree to which a new node is connected
-NEARER = 3  # moves to a drawn state that are tried, each half as long as the one before
+BIAS = 0.3  # share of states that are drawn from the other tree
+NEARER = 2  # moves to a drawn state that are tried, each half as long as the one before
 NEARER_GOAL = 4  # likewise from one to a posture that catches, which is often in a narrow place
 HASTY = 0.25  # share of moves that are as fast as they may be
 ROUND = 20  # price of a round, in distances along moves
@@ -39,10 +40,21 @@ SCANNED = 64  # nodes that are looked at for the price of one
 RARE = 3  # draws that may fail in place of one, while there is no goal
 
 
+@njit(_nrt=False, forceinline=True)
+def ends_free(trees, tree, k):
+    """Return whether a movement may end at node k with any rates: it is a catch by a touch."""
+    return tree == FROM_CATCH and trees.via[tree, k] < 0 and trees.free[tree, k] == END_FREE
+
+
 @njit(_nrt=False)
 def _draw_state(study, trees, horizon):
     """Draw a posture that the start can reach, into ``trees.drawn``, and a time for it [s]."""
     limb, q = study.scene.limb, trees.drawn
+    if trees.size[FROM_CATCH] > 0 and uniform(trees) < BIAS:
+        k = int(uniform(trees) * trees.size[FROM_CATCH])
+        for j in range(q.size):
+            q[j] = trees.joints[FROM_CATCH, k, j]
+        return trees.time[FROM_CATCH, k]
     for j in range(q.size):
         q[j] = limb.low[j] + uniform(trees) * (limb.high[j] - limb.low[j])
     least = time_by(trees.moves, study.scene.limits, limb.start, q)
@@ -71,8 +83,7 @@ def _nearest(study, trees, tree, q, t, worse):
         there = trees.joints[tree, k]
         took = turning_time(limits.joint_speed, there, q)
         if worse < took < best and took <= spare:
-            root = tree == FROM_CATCH and trees.via[tree, k] < 0
-            if root or may_by(trees.moves, limits, there, trees.rates[tree, k], q, spare, tree):
+            if ends_free(trees, tree, k) or may_by(trees.moves, limits, there, trees.rates[tree, k], q, spare, tree):
                 best, found = took, k
     return found, best
 
@@ -88,7 +99,7 @@ def join(study, trees, tree, k, q, rates, t, free):
     if tree == FROM_START:
         begin, end = move_by(trees.moves, study, there, turning, when, q, rates, t, free)
     else:
-        if trees.via[tree, k] < 0:
+        if ends_free(trees, tree, k):
             free += END_FREE
         begin, end = move_by(trees.moves, study, q, rates, t, there, turning, when, free)
     trees.ends[0], trees.ends[1] = begin, end
@@ -129,8 +140,12 @@ def _grown_backward(study, trees):
     """
     limits, limb = study.scene.limits, study.scene.limb
     tree, q, rates = FROM_CATCH, trees.drawn, trees.drawn_rates
+    m = int(uniform(trees) * trees.size[FROM_START]) if uniform(trees) < BIAS else -1
     for j in range(q.size):
-        q[j] = limb.low[j] + uniform(trees) * (limb.high[j] - limb.low[j])
+        if m < 0:
+            q[j] = limb.low[j] + uniform(trees) * (limb.high[j] - limb.low[j])
+        else:
+            q[j] = trees.joints[FROM_START, m, j]
     free = rates_by(trees.moves, tree, rates, uniform(trees))
     k, best = -1, 1e300
     for m in range(trees.size[tree]):
@@ -138,7 +153,7 @@ def _grown_backward(study, trees):
         if took < best:
             k, best = m, took
     there, when, turning = trees.joints[tree, k], trees.time[tree, k], trees.rates[tree, k]
-    if trees.via[tree, k] < 0:
+    if ends_free(trees, tree, k):
         free += END_FREE
         for j in range(q.size):
             turning[j] = 0.0
@@ -163,7 +178,7 @@ def connected(study, trees, tree, k):
     """
     other, worse = 1 - tree, -1.0
     q, t, rates = trees.joints[tree, k], trees.time[tree, k], trees.rates[tree, k]
-    free = END_FREE if tree == FROM_CATCH and trees.via[tree, k] < 0 else GIVEN
+    free = END_FREE if ends_free(trees, tree, k) else GIVEN
     for _ in range(TRIES):
         m, took = _nearest(study, trees, other, q, t, worse)
         if m < 0:
@@ -175,11 +190,13 @@ def connected(study, trees, tree, k):
 
 
 @njit
-def search_trees(study, trees, rounds, horizon, way):
+def search_trees(ends, study, trees, rounds, horizon, way):
     """Grow both trees until they meet.
 
     Parameters
     ----------
+    ends : Endings or Lines
+        Room for ends of movements, where a touch will not do.
     rounds : int
         Goals that are drawn; each is followed by growing both trees.  While there is none, `RARE`
         times as many draws may fail.
@@ -195,7 +212,7 @@ def search_trees(study, trees, rounds, horizon, way):
     vain = RARE * rounds if trees.size[FROM_CATCH] == 0 else 0
     while rounds > 0 and study.desk.budget[0] >= 0:
         study.desk.budget[0] -= ROUND + (trees.size[0] + trees.size[1]) // SCANNED
-        root = draw_goal(study, trees, horizon)
+        root = draw_by(ends, study, trees, horizon)
         if root < 0 and trees.size[FROM_CATCH] == 0 and vain > 0:
             vain -= 1
             continue
@@ -242,11 +259,11 @@ def trace(trees, first, second, way):
     for i in range(length - 1, -1, -1):
         order[i] = k
         k = trees.via[FROM_START, k]
-    root = trees.via[FROM_CATCH, second] < 0
+    root = ends_free(trees, FROM_CATCH, second)
     for i in range(length):
         k, last = order[i], i + 1 == length
         left = trees.ends[0] if last else trees.begin[FROM_START, order[i + 1]]
-        reached = trees.end[FROM_START, k] if i > 0 else 0.0
+        reached = trees.end[FROM_START, k] if i > 0 else trees.time[FROM_START, k]
         write(way, i, trees.joints[FROM_START, k], reached, left)
         free = (END_FREE if root else GIVEN) if last else trees.free[FROM_START, order[i + 1]]
         write_rates(way, i, trees.rates[FROM_START, k], free)

@@ -37,9 +37,12 @@ def _leap(study, way, k, since, m, moves):
 
 
 @njit(_nrt=False)
-def shorten_ramped(study, way, moves, out):
-    """Leave out postures that are not needed, the farthest first."""
-    k, since, n = 0, 0.0, 0
+def shorten_ramped(study, way, moves, free, out):
+    """Leave out postures that are not needed, the farthest first.
+
+    `free` says whether the rates at the end are; see `ramps.ramp`.
+    """
+    k, since, n = 0, way.reached[0], 0
     last, end = way.size[0] - 1, way.left[way.size[0] - 1]
     out.body[0] = way.body[0]
     while True:
@@ -48,13 +51,14 @@ def shorten_ramped(study, way, moves, out):
         n += 1
         begin, arrive = ramps.reach_ramped(
             study, way.joints[k], way.rates[k], since,
-            way.joints[last], way.rates[last], end, ramps.END_FREE, moves,
+            way.joints[last], way.rates[last], end, free, moves,
         )  # fmt: skip
         if begin >= 0.0 or k + 1 == last:
             if begin >= 0.0:
-                out.free[n - 1] = ramps.END_FREE
+                out.free[n - 1] = free
             out.left[n - 1] = begin if begin >= 0.0 else way.left[k]
             write(out, n, way.joints[last], arrive if begin >= 0.0 else way.reached[last], end)
+            write_rates(out, n, way.rates[last], way.free[last])
             return
         m, found = last - 1, -1.0
         while m > k + 1 and found < 0.0:
@@ -91,7 +95,7 @@ def hasten_ramped(study, way, moves):
 
 @njit
 def ramped_samples(study, way, moves):
-    """A way as samples of a cubic Hermite curve, cut at the first target within reach.
+    """A way as samples of a cubic Hermite curve.
 
     Returns
     -------
@@ -101,13 +105,11 @@ def ramped_samples(study, way, moves):
         [rad]
     rates : (n, dof) ndarray
         [rad/s]
-    body : int
-        That is caught.
     """
     most, n = 4 * way.size[0] + 1, 1
     time = np.empty(most)
     joints, rates = np.empty((most, way.joints.shape[1])), np.empty((most, way.joints.shape[1]))
-    time[0], joints[0], rates[0] = 0.0, way.joints[0], way.rates[0]
+    time[0], joints[0], rates[0] = way.reached[0], way.joints[0], way.rates[0]
     for k in range(way.size[0] - 1):
         if way.left[k] > time[n - 1]:
             time[n], joints[n], rates[n] = way.left[k], way.joints[k], way.rates[k]
@@ -125,7 +127,13 @@ def ramped_samples(study, way, moves):
     if end > time[n - 1]:
         time[n], joints[n], rates[n] = end, joints[n - 1], rates[n - 1]
         n += 1
-    curve, desk = study.desk.curve, study.desk
+    return time[:n].copy(), joints[:n].copy(), rates[:n].copy()
+
+
+@njit
+def cut_samples(study, time, joints, rates, body):
+    """Cut samples of `ramped_samples` at the first target within reach; the target comes last."""
+    n, curve, desk = time.size, study.desk.curve, study.desk
     for k in range(n - 1):
         span = time[k + 1] - time[k]
         hermite(joints[k], rates[k], joints[k + 1], rates[k + 1], span, curve)
@@ -139,4 +147,4 @@ def ramped_samples(study, way, moves):
                 rates[k + 1, j] = rate_of(curve, j, share) / span
             time[k + 1] = t
             return time[: k + 2].copy(), joints[: k + 2].copy(), rates[: k + 2].copy(), b
-    return time[:n].copy(), joints[:n].copy(), rates[:n].copy(), way.body[0]
+    return time, joints, rates, body

@@ -9,7 +9,7 @@ from gcm_learn.collision.postures import free_at
 from gcm_learn.compiled import njit
 from gcm_learn.planners.joints.goals import PLACES, place_on
 from gcm_learn.planners.joints.pull import pulled
-from gcm_learn.planners.joints.ramps import GIVEN
+from gcm_learn.planners.joints.ramps import END_FREE
 from gcm_learn.planners.joints.tree_moves import FROM_CATCH, box_by
 from gcm_learn.planners.joints.trees import add_node, uniform
 from gcm_learn.scene.bodies import HAND, PART
@@ -22,17 +22,22 @@ NEARBY = 0.3  # how near: share of a joint's range, and of the horizon
 
 
 @njit(_nrt=False)
-def _draw_near_start(study, trees, horizon):
-    """Draw a posture between the start and what is within reach: a target and a time [s]."""
-    q, rows, start = trees.drawn, study.scene.bodies.rows, study.scene.limb.start
-    targets = 0
+def any_target(study, trees):
+    """Draw one of the targets."""
+    rows, targets = study.scene.bodies.rows, 0
     for b in range(rows.shape[0]):
         targets += rows[b, PART] == HAND
     left, b = int(uniform(trees) * targets), -1
     while left >= 0:
         b += 1
         left -= rows[b, PART] == HAND
-    t = horizon * np.sqrt(1.0 - uniform(trees))
+    return b
+
+
+@njit(_nrt=False)
+def draw_near_start(study, trees, b, t):
+    """Draw a posture between the start and what is within reach until t [s], for target b."""
+    q, start = trees.drawn, study.scene.limb.start
     box_by(trees.moves, study, t)
     near = 1.0 if uniform(trees) >= NEAR_START else uniform(trees)
     for j in range(q.size):
@@ -40,7 +45,6 @@ def _draw_near_start(study, trees, horizon):
         q[j] = start[j] + near * (share - start[j])
     if inverts(study.scene.limb) and uniform(trees) < INVERSE:
         _turn_to(study, trees, b, t)
-    return b, t
 
 
 @njit(_nrt=False)
@@ -57,20 +61,17 @@ def _turn_to(study, trees, b, t):
 
 
 @njit(_nrt=False)
-def _draw_near_goal(study, trees, horizon):
-    """Draw a posture near one that catches: its target and a time [s]."""
+def draw_near(study, trees, joints, t, horizon):
+    """Draw a posture near others (n,) that catch at t [s]; its own time [s]."""
     q, limb = trees.drawn, study.scene.limb
-    k = int(uniform(trees) * trees.size[FROM_CATCH])
-    while trees.via[FROM_CATCH, k] >= 0:
-        k = trees.via[FROM_CATCH, k]
     wide = NEARBY * uniform(trees)
-    t = trees.time[FROM_CATCH, k] + wide * horizon * (2.0 * uniform(trees) - 1.0)
+    t += wide * horizon * (2.0 * uniform(trees) - 1.0)
     t = min(max(t, 0.01 * horizon), horizon)
     box_by(trees.moves, study, t)
     for j in range(q.size):
         far = wide * (limb.high[j] - limb.low[j]) * (2.0 * uniform(trees) - 1.0)
-        q[j] = min(max(trees.joints[FROM_CATCH, k, j] + far, study.low[j]), study.high[j])
-    return trees.body[k], t
+        q[j] = min(max(joints[j] + far, study.low[j]), study.high[j])
+    return t
 
 
 @njit(_nrt=False)
@@ -83,9 +84,15 @@ def draw_goal(study, trees, horizon):
         Number of the root, -1 if the draw failed.
     """
     if trees.size[FROM_CATCH] > 0 and uniform(trees) < NEAR_GOAL:
-        b, t = _draw_near_goal(study, trees, horizon)
+        k = int(uniform(trees) * trees.size[FROM_CATCH])
+        while trees.via[FROM_CATCH, k] >= 0:
+            k = trees.via[FROM_CATCH, k]
+        t = draw_near(study, trees, trees.joints[FROM_CATCH, k], trees.time[FROM_CATCH, k], horizon)
+        b = trees.body[k]
     else:
-        b, t = _draw_near_start(study, trees, horizon)
+        b = any_target(study, trees)
+        t = horizon * np.sqrt(1.0 - uniform(trees))
+        draw_near_start(study, trees, b, t)
     return root_at(study, trees, b, t)
 
 
@@ -102,4 +109,4 @@ def root_at(study, trees, b, t):
     if not pulled(study, b, t, q) or not free_at(study.scene, q, t, study.touch, study.desk):
         return -1
     trees.ends[0] = trees.ends[1] = t
-    return add_node(trees, FROM_CATCH, q, trees.drawn_rates, t, GIVEN, -1, b)
+    return add_node(trees, FROM_CATCH, q, trees.drawn_rates, t, END_FREE, -1, b)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, ClassVar
 
 import numpy as np
@@ -12,11 +13,19 @@ import numpy as np
 from gcm_learn.collision import WORK
 from gcm_learn.motion import Failure, Movement
 from gcm_learn.planners.completion import Attempt, JointProblem, checked
+from gcm_learn.planners.joints.end_search import EndSearch
 from gcm_learn.planners.joints.meeting_trees import search_trees
-from gcm_learn.planners.joints.ramped_ways import hasten_ramped, ramped_samples, shorten_ramped
+from gcm_learn.planners.joints.ramped_ways import (
+    cut_samples,
+    hasten_ramped,
+    ramped_samples,
+    shorten_ramped,
+)
+from gcm_learn.planners.joints.ramps import END_FREE
 from gcm_learn.planners.joints.still_trees import GOALS, search_still, straighten, timed
 from gcm_learn.planners.joints.straight import at_once, earliest_straight
 from gcm_learn.planners.joints.timely_trees import search_timely
+from gcm_learn.planners.joints.tree_moves import LINES
 from gcm_learn.planners.joints.trees import Trees, new_trees, roomier
 from gcm_learn.planners.joints.ways import JointWay, hasten, new_way, samples_of, shorten
 from gcm_learn.planners.plan import Deadline, Plan, deadline_of, end_of, in_joints
@@ -39,6 +48,8 @@ TURNS = 16
 """One of so many turns draws a goal each round; the others are for trees in steps."""
 ROOM = 1000
 """Nodes that new trees can hold."""
+search_touching = partial(search_trees, LINES)
+"""Trees whose roots are touches."""
 Begin = Callable[[JointProblem, Trees, float, JointWay], bool]
 """Plants nodes into new trees, given the last instant of a catch [s]; the way is written if they
 meet."""
@@ -84,9 +95,11 @@ class TreeSearch:
         """
         end = end_of(situation, bound)
         problem = JointProblem(situation, self.name, deadline=deadline_of(deadline))
-        early: Plan | None = problem.early_answer(keeps_acceleration=True)
+        early: Plan | None = problem.early_answer(keeps_acceleration=True, keeps_ends=True)
         if early is not None:
             return early
+        if not problem.ends_by_touch:
+            return self._to_the_end(problem, end)
         simple = earliest_straight if self.patience and not problem.accelerates else at_once
         first = simple(problem)
         if first is not None and first.catch_time is not None and first.catch_time <= end:
@@ -101,6 +114,17 @@ class TreeSearch:
             plan = self._before(problem, end, seed, rounds)
         if plan.caught:
             plan = self._sooner(problem, plan)
+        return replace(plan, planning_ms=problem.elapsed_ms, nodes=problem.nodes)
+
+    def _to_the_end(self, problem: JointProblem, end: float) -> Plan:
+        """A catch until `end` [s] that is held, or after which the arm rests."""
+        if problem.deadline is None:
+            problem.budget[0] = WORK
+        seed, rounds = self.seed, self.rounds
+        plan = EndSearch(problem, seed).plan(end, rounds)
+        while not plan.caught and problem.deadline is not None and not problem.over:
+            seed, rounds = seed + 1, min(2 * rounds, MANY * self.rounds)
+            plan = EndSearch(problem, seed).plan(end, rounds)
         return replace(plan, planning_ms=problem.elapsed_ms, nodes=problem.nodes)
 
     def _sooner(self, problem: JointProblem, plan: Plan) -> Plan:
@@ -132,7 +156,7 @@ class TreeSearch:
             left -= GOALS * size if calm else 0 if timely else size
             if int(trees.size.max()) + 3 * size > trees.time.shape[1]:
                 trees = roomier(trees)
-            grow = search_still if calm else search_timely if timely else search_trees
+            grow = search_still if calm else search_timely if timely else search_touching
             if not grow(study, trees, size, end, way):
                 continue
             if not calm:
@@ -172,9 +196,9 @@ def _finished(problem: JointProblem, moves: Any, way: JointWay, end: float) -> P
     study, short = problem.study, new_way(problem.study.goal.size)
     samples: tuple[np.ndarray, ...]
     if problem.accelerates:
-        shorten_ramped(study, way, moves, short)
+        shorten_ramped(study, way, moves, END_FREE, short)
         hasten_ramped(study, short, moves)
-        *samples, body = ramped_samples(study, short, moves)
+        *samples, body = cut_samples(study, *ramped_samples(study, short, moves), short.body[0])
     else:
         shorten(study, way, short)
         hasten(study, short)

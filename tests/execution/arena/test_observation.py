@@ -16,7 +16,7 @@ from gcm_learn.execution.arena.kernels.joints.observation import OBSTACLE, UNTIL
 from gcm_learn.motion.joint_interception import target_room
 from gcm_learn.motion.rules import opening
 from gcm_learn.scene import pack, pack_bodies, poses_at
-from gcm_learn.scene.bodies import BOX, KIND
+from gcm_learn.scene.bodies import BOX, KIND, piece_at, velocity_by
 from gcm_learn.situation import arm_to_json, carried, situation_from_json, situation_to_json
 from tests.chains import BLOCKED, COUNT, drawn
 from tests.execution.conftest import begun
@@ -251,7 +251,7 @@ def test_velocities_of_points_of_bodies_are_differences(arms, rng):
         for b in range(len(bodies.rows)):
             at = [posed(bodies, when)[b] for when in (t - h, t, t + h)]
             spots = [row[:3] + row[3:].reshape(3, 3) @ inside for row in at]
-            told = nearness.point_velocity(bodies, b, t, posed(bodies, t), *spots[1])
+            told = velocity_by(bodies, b, piece_at(bodies, b, t), t, tuple(spots[1]))
             np.testing.assert_allclose(told, (spots[2] - spots[0]) / (2 * h), atol=2e-2)
 
 

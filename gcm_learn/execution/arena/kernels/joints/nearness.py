@@ -18,7 +18,6 @@ from gcm_learn.scene.bodies import (
     SWING,
     VELOCITY,
     centre_at,
-    piece_velocity,
     swing_angle,
 )
 from gcm_learn.scene.shapes.choice import from_nearest
@@ -89,27 +88,6 @@ def nearest_on_bone(bodies, b, poses, p, q):
         -(poses[b, 3] * x + poses[b, 4] * y + poses[b, 5] * z),
         -(poses[b, 6] * x + poses[b, 7] * y + poses[b, 8] * z),
         -(poses[b, 9] * x + poses[b, 10] * y + poses[b, 11] * z),
-    )
-
-
-@njit(_nrt=False)
-def point_velocity(bodies, b, t, poses, x, y, z):
-    """Velocity (3) at t [s] of the point of body b that is at (x, y, z), the body at its pose."""
-    rows = bodies.rows
-    if rows[b, PIECES] > 0.0:
-        return piece_velocity(bodies, b, t, x, y, z)
-    if rows[b, SWING] >= 0.0:
-        turn = swing_angle(bodies, b, t + _MOMENT) - swing_angle(bodies, b, t)
-        rate = turn / _MOMENT
-        wx, wy, wz = rate * rows[b, AXIS], rate * rows[b, AXIS + 1], rate * rows[b, AXIS + 2]
-        x, y, z = x - rows[b, POSITION], y - rows[b, POSITION + 1], z - rows[b, POSITION + 2]
-        return wy * z - wz * y, wz * x - wx * z, wx * y - wy * x
-    wx, wy, wz = rows[b, SPIN], rows[b, SPIN + 1], rows[b, SPIN + 2]
-    x, y, z = x - poses[b, 0], y - poses[b, 1], z - poses[b, 2]
-    return (
-        rows[b, VELOCITY] + rows[b, ACCELERATION] * t + wy * z - wz * y,
-        rows[b, VELOCITY + 1] + rows[b, ACCELERATION + 1] * t + wz * x - wx * z,
-        rows[b, VELOCITY + 2] + rows[b, ACCELERATION + 2] * t + wx * y - wy * x,
     )
 
 

@@ -14,7 +14,7 @@ from gcm_learn.arms.chain_limb import place_axes
 from gcm_learn.arms.limbs import dof, hand_of, place
 from gcm_learn.compiled import njit
 from gcm_learn.execution.arena.kernels.joints import chains, meeting
-from gcm_learn.execution.arena.kernels.joints.nearness import centre_motion, point_velocity
+from gcm_learn.execution.arena.kernels.joints.nearness import centre_motion
 from gcm_learn.execution.arena.kernels.joints.scene import view_in, views_for
 from gcm_learn.execution.arena.kernels.joints.stepping import step
 from gcm_learn.execution.arena.kernels.world import (
@@ -28,7 +28,7 @@ from gcm_learn.execution.arena.kernels.world import (
     put_vector,
 )
 from gcm_learn.motion.joint_interception import target_room
-from gcm_learn.scene.bodies import REACH, centre_at, pose_at
+from gcm_learn.scene.bodies import REACH, centre_at, piece_at, pose_at, velocity_by
 from gcm_learn.scene.shapes.choice import inner_radius
 
 ARM, TARGET, OBSTACLE = 35, 30, 20  # numbers of a spatial arm, its target, an obstacle
@@ -192,7 +192,9 @@ def _tell_obstacle(view, b, time, where, ahead, row, at):
     put_vector(row, at + 1, px, py, pz, reach)
     put_vector(row, at + 4, x, y, z, reach)
     put(row, at + 7, (np.sqrt(x * x + y * y + z * z) - radius - view.rules.touch) / reach)
-    vx, vy, vz = point_velocity(bodies, b, time, poses, px + x, py + y, pz + z)
+    vx, vy, vz = velocity_by(
+        bodies, b, piece_at(bodies, b, time), time, (px + x, py + y, pz + z)
+    )
     joints, rates = view.joints[0], view.rates[0]
     lx, ly, lz = chains.point_velocity_on(limb, where, i, joints, rates, px, py, pz)
     put_vector(row, at + 8, vx - lx, vy - ly, vz - lz, view.pace)

@@ -1,0 +1,296 @@
+"""Holds: after the catch the hand stays at the target, and as fast as it, for a time."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from gcm_learn.arms import limbs
+from gcm_learn.arms.curves import hermite, on_curve, rate_of
+from gcm_learn.compiled import njit
+from gcm_learn.motion.failures import Failure
+from gcm_learn.motion.joint_interception import ANGLE, approach_excess, has_approach, target_room
+from gcm_learn.motion.joint_verification import bends_of
+from gcm_learn.motion.movement import Movement
+from gcm_learn.motion.rules import CATCH_SAFETY
+from gcm_learn.scene import Scene, bodies
+
+KEPT, LOST, SLIPPED, TURNED = range(4)
+SLIP = 2e-7  # of relative speeds, relative and absolute; the contract grants 1e-6
+_NARROWEST = 1e-9  # span that is checked before a promise counts as broken [s]
+SHORTEST = 1e-5  # of pieces under limits of jerk [s]
+JERK, ROUNDING = 5e-5, 5e-15  # of third order; the contract grants 1e-4 and 1e-14
+RESTS = 5e-7  # share of a joint's speed that is rest; the contract grants 1e-6
+_ANY = 1e100  # relative speed of a touch
+_MORE = 1.1  # times the differences in a pendulum's table bound its derivatives
+
+
+class Bounds(NamedTuple):
+    """Bounds over a move and a piece of the target's law."""
+
+    speed: float  # of the hand [lengths/s]
+    force: float  # acceleration of the hand
+    jolt: float  # third derivative of the hand
+    turn: float  # angular speed of hand and target together [rad/s]
+
+
+@njit(_nrt=False)
+def relative_velocity(scene, b, p, t, curve, span, share, work):
+    """Velocity (3) of the hand in excess of that of the target where the hand is.
+
+    Parameters
+    ----------
+    b, p : int
+        Target, and the piece of its law that holds.
+    t : float
+        When [s].
+    curve, span, share : (n, 4) ndarray, float, float
+        Move of the joints, how long it takes [s], and how much of it is over at t.
+    work : Work
+        Gets joints and Jacobian.
+
+    Returns
+    -------
+    velocity : tuple of 3 floats
+    place : tuple of 3 floats
+        Of the hand.
+    """
+    limb = scene.limb
+    on_curve(curve, share, work.joints)
+    place = limbs.hand_of(limb, limbs.place(limb, work.joints))
+    limbs.jacobian(limb, work.joints, work.jacobian)
+    ux, uy, uz = bodies.velocity_by(scene.bodies, b, p, t, place)
+    vx, vy, vz = -ux, -uy, -uz
+    for j in range(work.joints.size):
+        rate = rate_of(curve, j, share) / span
+        vx += work.jacobian[0, j] * rate
+        vy += work.jacobian[1, j] * rate
+        vz += work.jacobian[2, j] * rate
+    return (vx, vy, vz), place
+
+
+class Work(NamedTuple):
+    """Arrays for questions about holds."""
+
+    joints: np.ndarray  # (n,)
+    jacobian: np.ndarray  # (3, n)
+    rates: np.ndarray  # (n,): largest of a move [rad/s]
+    poses: np.ndarray  # (bodies, 12)
+
+
+@njit
+def work_of(scene):
+    """Return the arrays for questions about holds in a scene."""
+    n = limbs.dof(scene.limb)
+    poses = np.zeros((scene.bodies.rows.shape[0], 12))
+    return Work(np.zeros(n), np.zeros((3, n)), np.zeros(n), poses)
+
+
+@njit(_nrt=False)
+def _bounds_of(scene, b, curve, span, work):
+    """Bound how a move changes the hand's velocity and direction."""
+    limb = scene.limb
+    far = limbs.lever(limb)
+    rates, bends, jolts = bends_of(curve, work.rates)
+    rates, bends, jolts = rates / span, bends / span**2, jolts / span**3
+    for j in range(work.rates.size):
+        work.rates[j] /= span
+    turn = limbs.axis_bound(limb, work.rates) + bodies.top_spin(scene.bodies, b)
+    return Bounds(
+        far * rates, far * (rates**2 + bends), far * (rates**3 + 3.0 * rates * bends + jolts), turn
+    )
+
+
+@njit(_nrt=False)
+def _law_bend(scene, b, p, place, half, bounds):
+    """Bound the second derivative of the target's velocity at the hand within `half` [s].
+
+    Parameters
+    ----------
+    place : tuple of 3 floats
+        Hand in the middle of that time.
+    """
+    laws, rows = scene.bodies, scene.bodies.rows
+    spin = bodies.top_spin(laws, b)
+    if rows[b, bodies.SWING] < 0.0 or rows[b, bodies.PIECES] > 0.0:
+        if spin == 0.0:
+            return 0.0
+        fall = 0.0
+        for k in range(3):
+            if rows[b, bodies.PIECES] > 0.0:
+                fall += bodies.of_piece(laws, b, p, bodies.ACCELERATION + k) ** 2
+            else:
+                fall += rows[b, bodies.ACCELERATION + k] ** 2
+        return spin * (bounds.force + np.sqrt(fall))
+    away = bounds.speed * half
+    for k in range(3):
+        away += abs(place[k] - rows[b, bodies.POSITION + k])
+    first, second = _swing_changes(laws, b)
+    return second * away + 2.0 * first * bounds.speed + spin * bounds.force
+
+
+@njit(_nrt=False)
+def _swing_changes(laws, b):
+    """Bound the first two derivatives of a pendulum's rate, by differences in its table."""
+    table, row, step = laws.angles, int(laws.rows[b, bodies.SWING]), laws.angle_step
+    first, second = 0.0, 0.0
+    for k in range(table.shape[1] - 1):
+        change = table[row, k + 1, 1] - table[row, k, 1]
+        first = max(first, abs(change))
+        if k > 0:
+            second = max(second, abs(change - (table[row, k, 1] - table[row, k - 1, 1])))
+    return _MORE * first / step, _MORE * second / step**2
+
+
+@njit(_nrt=False)
+def _faults_at(scene, b, t, limits, work):
+    """Distance and angle beyond what is allowed, with the joints that are in `work`."""
+    where = limbs.place(scene.limb, work.joints)
+    x, y, z = limbs.hand_of(scene.limb, where)
+    room = target_room(scene, b, x, y, z, t, work.poses) - limits[0]
+    turned = approach_excess(scene, where, b, t, work.poses) - ANGLE
+    return room, turned
+
+
+@njit(_nrt=False)
+def part_fault(scene, b, p, since, curve, span, ends, limits, work):
+    """First promise of a hold that is broken in a part of a move, or KEPT.
+
+    Between two instants the relative velocity strays from a straight line by at most an eighth of
+    the width squared times a bound of its second derivative. Distances change by no more than the
+    relative speed, angles by no more than the relative turning.
+
+    Parameters
+    ----------
+    since : float
+        When the move begins [s].
+    ends : tuple of 2 floats
+        When the part begins and ends [s].
+    limits : tuple of 2 floats
+        Largest distance and relative speed.
+    """
+    bounds, top = _bounds_of(scene, b, curve, span, work), limits[1] * (1.0 + SLIP) + SLIP
+    t, width, turns = ends[0], ends[1] - ends[0], has_approach(scene, b)
+    while True:
+        first, _ = relative_velocity(scene, b, p, t, curve, span, (t - since) / span, work)
+        room, turned = _faults_at(scene, b, t, limits, work)
+        later = min(t + width, ends[1])
+        second, place = relative_velocity(
+            scene, b, p, later, curve, span, (later - since) / span, work
+        )
+        room_later, turned_later = _faults_at(scene, b, later, limits, work)
+        fast = np.sqrt(max(_square(first), _square(second)))
+        if fast > top:
+            return SLIPPED
+        if max(room, room_later) > 0.0:
+            return LOST
+        if max(turned, turned_later) > 0.0:
+            return TURNED
+        took = later - t
+        bend = bounds.jolt + _law_bend(scene, b, p, place, took, bounds)
+        fine = fast + 0.125 * took * took * bend <= top
+        fine = fine and max(room, room_later) + 0.5 * took * top <= 0.0
+        if turns:
+            fine = fine and max(turned, turned_later) + 0.5 * took * bounds.turn <= 0.0
+        if fine:
+            if later >= ends[1]:
+                return KEPT
+            t, width = later, 2.0 * width
+        elif took <= _NARROWEST:  # neither broken nor proven: the limits are kept to a hair
+            return SLIPPED
+        else:
+            width = 0.5 * took
+
+
+@njit(_nrt=False)
+def _square(v):
+    return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]
+
+
+@njit(_nrt=False)
+def hold_fault_on(scene, b, since, until, curve, span, begin, limits, work):
+    """First promise that is broken in a move, from `since` to `until` [s]; law by law.
+
+    `begin` is when the move begins [s]; for the others see `part_fault`.
+    """
+    laws, t, p = scene.bodies, since, 0
+    pieces = int(laws.rows[b, bodies.PIECES])
+    if pieces > 0:
+        p = bodies.piece_at(laws, b, t)
+    while True:
+        end = until
+        if pieces > 0:
+            end = min(end, bodies.piece_end(laws, b, p))
+        fault = part_fault(scene, b, p, begin, curve, span, (t, end), limits, work)
+        if fault != KEPT or end >= until:
+            return fault
+        t, p = end, p + 1
+
+
+@njit(_nrt=False)
+def hold_limits(scene, b):
+    """Largest distance and relative speed of a hold, less a hair."""
+    grasp = scene.limits.grasp - 0.5 * CATCH_SAFETY * scene.limb.length
+    return grasp, scene.bodies.rows[b, bodies.HOLD_SPEED]
+
+
+@njit
+def catch_fault(scene, b, since, until, time, joints, rates):
+    """First promise that is broken from the catch at `since` until `until` [s], or KEPT.
+
+    A touch has to be within the grasp and the approach at its instant alone.
+    """
+    work, (grasp, speed) = work_of(scene), hold_limits(scene, b)
+    curve = np.zeros((joints.shape[1], 4))
+    if scene.bodies.rows[b, bodies.HOLD] < 0.0:
+        speed = _ANY
+    for k in range(time.size - 1):
+        begin, end = max(time[k], since), min(time[k + 1], until)
+        if begin > end or (begin == end and since < until):
+            continue
+        span = time[k + 1] - time[k]
+        hermite(joints[k], rates[k], joints[k + 1], rates[k + 1], span, curve)
+        fault = hold_fault_on(scene, b, begin, end, curve, span, time[k], (grasp, speed), work)
+        if fault != KEPT or since == until:
+            return fault
+    return KEPT
+
+
+def limits_fault(scene: Scene, moves: Movement, forces: np.ndarray) -> Failure | None:
+    """Return what speaks against a movement with rates under limits of jerk.
+
+    Parameters
+    ----------
+    scene : Scene
+    moves : Movement
+    forces : (n,) ndarray
+        Accelerations at t = 0.
+    """
+    limits = scene.limits
+    if moves.rates is None or not np.isfinite(limits.joint_jerk).any():
+        return None
+    span = np.diff(moves.time)[:, None]
+    if (span < SHORTEST).any():
+        return Failure.JOINT_JERK
+    way, (v, w) = np.diff(moves.joints, axis=0), (moves.rates[:-1], moves.rates[1:])
+    first = (6.0 * way / span - 4.0 * v - 2.0 * w) / span
+    last = (2.0 * v + 4.0 * w - 6.0 * way / span) / span
+    jolt, noise = (last - first) / span, ROUNDING / span
+    off = np.abs(np.vstack([forces, last[:-1]]) - first)
+    least = np.minimum(span, np.vstack([span[:1], span[:-1]]))
+    good = (off <= JERK * limits.joint_acceleration + ROUNDING / least**2).all()
+    good &= (np.abs(jolt) <= limits.joint_jerk * (1.0 + JERK) + noise / span**2).all()
+    return None if good else Failure.JOINT_JERK
+
+
+def rests(scene: Scene, moves: Movement) -> bool:
+    """Return whether the joints rest at the end of a movement with rates."""
+    assert moves.rates is not None
+    limits = scene.limits
+    still = bool((np.abs(moves.rates[-1]) <= RESTS * limits.joint_speed).all())
+    if not still or moves.time.size < 2 or not np.isfinite(limits.joint_jerk).any():
+        return still
+    span, way = moves.time[-1] - moves.time[-2], moves.joints[-1] - moves.joints[-2]
+    last = (2.0 * moves.rates[-2] + 4.0 * moves.rates[-1] - 6.0 * way / span) / span
+    return bool((np.abs(last) <= JERK * limits.joint_acceleration).all())

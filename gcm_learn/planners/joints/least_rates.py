@@ -1,0 +1,94 @@
+"""Rates of joints that move a hand as wanted, by weighted damped least squares."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from gcm_learn.compiled import njit
+
+TURNS = 5  # of holding joints at their limits
+HARD, SOFT = 1e-9, 0.3  # damping of the hand's velocity and of its direction [share]
+
+
+@njit(_nrt=False)
+def least_rates(ends, weights, soft, out):
+    """Write the least rates, in units of `weights`, that give the hand what is wanted.
+
+    Minimises the sum of (rate / weight)^2; rows of direction are damped, and are let go where
+    joints are at their limits (Whitney 1969, Nakamura and Hanafusa 1986).
+
+    Parameters
+    ----------
+    ends : Endings
+        Derivatives of the hand in `near` and `turns`, what is wanted in `wanted`, limits in `most`.
+    weights : (n,) ndarray
+    soft : bool
+        Whether the direction counts.
+    out : (n,) ndarray
+        Gets the rates.
+
+    Returns
+    -------
+    bool
+    """
+    system, near, turns, n = ends.system, ends.near, ends.turns, out.size
+    held = np.uint64(0)
+    for turn in range(TURNS):
+        rows = 6 if soft and turn < 2 else 3
+        for a in range(rows):
+            system[a, 6] = ends.wanted[a]
+            for c in range(rows):
+                system[a, c] = 0.0
+        for j in range(n):
+            free = held >> np.uint64(j) & np.uint64(1) == 0
+            square = weights[j] * weights[j]
+            for a in range(rows):
+                x = near[a, j] if a < 3 else turns[a - 3, j]
+                if not free:
+                    system[a, 6] -= x * out[j]
+                    continue
+                for c in range(rows):
+                    y = near[c, j] if c < 3 else turns[c - 3, j]
+                    system[a, c] += square * x * y
+        trace = system[0, 0] + system[1, 1] + system[2, 2]
+        turning = system[3, 3] + system[4, 4] + system[5, 5] if rows > 3 else 0.0
+        for a in range(rows):
+            system[a, a] += HARD * trace if a < 3 else SOFT * turning + 1e-12
+        if not trace > 0.0 or not _solved(system, rows):
+            return False
+        over = False
+        for j in range(n):
+            if held >> np.uint64(j) & np.uint64(1):
+                continue
+            total = 0.0
+            for a in range(rows):
+                total += (near[a, j] if a < 3 else turns[a - 3, j]) * system[a, 7]
+            out[j] = weights[j] * weights[j] * total
+            if abs(out[j]) > ends.most[j]:
+                out[j] = np.copysign(ends.most[j], out[j])
+                held |= np.uint64(1) << np.uint64(j)
+                over = True
+        if not over:
+            return True
+    return False
+
+
+@njit(_nrt=False)
+def _solved(system, rows):
+    """Solve for column 6 by elimination with pivots on the diagonal; column 7 gets the answer."""
+    for a in range(rows):
+        pivot = system[a, a]
+        if not pivot > 1e-300:
+            return False
+        for c in range(a + 1, rows):
+            factor = system[c, a] / pivot
+            if factor != 0.0:
+                for k in range(a + 1, rows):
+                    system[c, k] -= factor * system[a, k]
+                system[c, 6] -= factor * system[a, 6]
+    for a in range(rows - 1, -1, -1):
+        total = system[a, 6]
+        for k in range(a + 1, rows):
+            total -= system[a, k] * system[k, 7]
+        system[a, 7] = total / system[a, a]
+    return True
