@@ -54,6 +54,18 @@ def draw_end(ends, study, trees, horizon):
     else:
         b, t = _instant(study, trees, ends, horizon)
         draw_near_start(study, trees, b, t)
+    return end_at(ends, study, trees, b, t)
+
+
+@njit(_nrt=False)
+def end_at(ends, study, trees, b, t):
+    """Pull the drawn posture to target b, which is caught at t [s], and make an end of it.
+
+    Returns
+    -------
+    int
+        Number of the root, -1 without one.
+    """
     held = study.scene.bodies.rows[b, bodies.HOLD] >= 0.0
     when = t - ends.half if held else t
     if when <= 0.0 or not pulled(ends.aim, b, when, trees.drawn):
@@ -62,9 +74,10 @@ def draw_end(ends, study, trees, horizon):
     e = ended(study, trees, ends, b, t)
     if e < 0:
         return -1
-    q, rates, since = ends.joints[e, ends.first[e]], ends.rates[e, ends.first[e]], ends.first[e]
-    trees.ends[0] = trees.ends[1] = ends.time[e, since]
-    return add_node(trees, FROM_CATCH, q, rates, ends.time[e, since], GIVEN, -1, e)
+    first = ends.first[e]
+    t = ends.time[e, first]
+    trees.ends[0] = trees.ends[1] = t
+    return add_node(trees, FROM_CATCH, ends.joints[e, first], ends.rates[e, first], t, GIVEN, -1, e)
 
 
 @njit(_nrt=False, forceinline=True)

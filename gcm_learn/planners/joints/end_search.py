@@ -8,7 +8,7 @@ from gcm_learn.motion import Failure, Movement
 from gcm_learn.motion.smoothing import half_width, smoothed, start_before
 from gcm_learn.planners.completion import Attempt, JointProblem, checked
 from gcm_learn.planners.joints.endings import new_endings
-from gcm_learn.planners.joints.meeting_trees import search_trees
+from gcm_learn.planners.joints.meeting_trees import hastened, search_trees
 from gcm_learn.planners.joints.ramped_ways import ramped_samples, shorten_ramped
 from gcm_learn.planners.joints.ramps import GIVEN
 from gcm_learn.planners.joints.tree_moves import FROM_START
@@ -18,6 +18,8 @@ from gcm_learn.planners.plan import Plan
 
 SLICE = 50
 """Ends to draw between two readings of the clock."""
+SOONER = 60
+"""Earlier ends that are tried once there is a way."""
 ROOM = 1000
 """Nodes that new trees can hold, and ends that are kept."""
 
@@ -52,9 +54,10 @@ class EndSearch:
         while left > 0 and plan is None and not problem.over and problem.budget[0] >= 0:
             size = min(SLICE, left)
             left -= size
-            if int(self.trees.size.max()) + 3 * size > self.trees.time.shape[1]:
+            if int(self.trees.size.max()) + 4 * size + SOONER > self.trees.time.shape[1]:
                 self.trees = roomier(self.trees)
             if search_trees(self.ends, self.study, self.trees, size, end, way):
+                hastened(self.ends, self.study, self.trees, SOONER, way)
                 plan = self._finished(way)
         problem.nodes += int(self.trees.size.sum()) - 1
         if plan is not None:

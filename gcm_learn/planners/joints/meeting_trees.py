@@ -13,12 +13,14 @@ import numpy as np
 
 from gcm_learn.collision.postures import free_at
 from gcm_learn.compiled import njit
-from gcm_learn.planners.joints.end_goals import draw_by
+from gcm_learn.planners.joints.end_goals import draw_by, end_at
+from gcm_learn.planners.joints.endings import FIRST
 from gcm_learn.planners.joints.moves import turning_time
 from gcm_learn.planners.joints.ramps import END_FREE, GIVEN, START_FREE
 from gcm_learn.planners.joints.tree_moves import (
     FROM_CATCH,
     FROM_START,
+    box_by,
     halve_by,
     keep_by,
     may_by,
@@ -31,6 +33,7 @@ from gcm_learn.planners.joints.trees import add_node, uniform
 from gcm_learn.planners.joints.ways import MOST, write, write_rates
 
 TRIES = 3  # nearest nodes of the other tree to which a new node is connected
+SOONER, ABOUT = 0.4, 0.1  # how much earlier, and how far away, earlier ends are tried [share]
 BIAS = 0.3  # share of states that are drawn from the other tree
 NEARER = 2  # moves to a drawn state that are tried, each half as long as the one before
 NEARER_GOAL = 4  # likewise from one to a posture that catches, which is often in a narrow place
@@ -237,6 +240,32 @@ def search_trees(ends, study, trees, rounds, horizon, way):
         if max(trees.size[0], trees.size[1]) + 2 > trees.time.shape[1]:
             return False
     return False
+
+
+@njit
+def hastened(ends, study, trees, tries, way):
+    """Try earlier ends near that of a way; the way becomes the earliest that the trees reach.
+
+    Parameters
+    ----------
+    tries : int
+        Ends that are drawn.
+    way : Way
+    """
+    q, limb = trees.drawn, study.scene.limb
+    for _ in range(tries):
+        e = way.body[0]
+        t, earliest = ends.span[e, 0], trees.time[FROM_START, 0]
+        t -= (t - earliest) * SOONER * uniform(trees) ** 2
+        box_by(trees.moves, study, t)
+        for j in range(q.size):
+            off = ABOUT * (limb.high[j] - limb.low[j]) * (2.0 * uniform(trees) - 1.0)
+            q[j] = min(max(ends.joints[e, FIRST, j] + off, study.low[j]), study.high[j])
+        root = end_at(ends, study, trees, ends.body[e], t)
+        if root >= 0:
+            m = connected(study, trees, FROM_CATCH, root)
+            if m >= 0:
+                trace(trees, m, root, way)
 
 
 @njit
