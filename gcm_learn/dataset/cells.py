@@ -20,7 +20,7 @@ from gcm_learn.charts import chart_of
 from gcm_learn.dataset.kinds import RECORDS
 from gcm_learn.maps import MAPS, CognitiveMap, Interception, chain_to
 from gcm_learn.motion import Failure
-from gcm_learn.planners import Plan
+from gcm_learn.planners import Catch, Plan
 from gcm_learn.seeding import rng
 from gcm_learn.situation import AnySituation
 from gcm_learn.storage import whole_folder
@@ -130,12 +130,12 @@ def _catches(plan: Plan) -> dict[str, Any]:
     return {name: [one[key] for one in plan.catches] for name, key in columns.items()}
 
 
-def _on_the_way(cells: Mapping[str, Any]) -> tuple[tuple[str, float], ...]:
+def _on_the_way(cells: Mapping[str, Any]) -> tuple[Catch, ...]:
     """Return the catches before the last one."""
     if cells.get("caught_bodies") is None:
         return ()
     pairs = zip(cells["caught_bodies"], cells["caught_times"], strict=True)
-    return tuple((str(body), float(time)) for body, time in pairs)[:-1]
+    return tuple(Catch(str(body), float(time)) for body, time in pairs)[:-1]
 
 
 def plan_of(situation: AnySituation, planner: str, cells: Mapping[str, Any]) -> Plan:

@@ -132,7 +132,7 @@ def _broken_plans(record: Record) -> Iterator[str]:
         if plan.trajectory is None or plan.catch_body not in names:
             yield f"the plan of {name} is not whole"
             continue
-        catches = [(body, _until(plan.trajectory, time)) for body, time in plan.on_the_way]
+        catches = [(one.body, _until(plan.trajectory, one.time)) for one in plan.on_the_way]
         for body, moves in (*catches, (plan.catch_body, plan.trajectory)):
             if body not in names or moves is None:
                 yield f"the plan of {name} does not stop at its catch of {body!r}"

@@ -16,7 +16,7 @@ from gcm_learn.evaluation.judging import judged
 from gcm_learn.evaluation.machine import spent
 from gcm_learn.evaluation.sources import Case
 from gcm_learn.motion import Movement
-from gcm_learn.planners import Plan, in_words
+from gcm_learn.planners import Catch, Plan, in_words
 from gcm_learn.processes import OutOfTime, time_limit
 
 SEED = 0  # of the errors, the same for all entrants
@@ -85,7 +85,7 @@ def seen(method: Method, case: Case, condition: Condition) -> dict[str, Any]:
     ms = 1e3 * (spent() - since) / max(len(course.thoughts), 1)
     charged = float(np.mean([thought.took for thought in course.thoughts] or [0.0]))
     outcome, moves = execution.OUTCOMES[course.outcome], plant.movement()
-    *before, last = [(catch.body, catch.time) for catch in course.catches] or [("", 0.0)]
+    *before, last = [Catch(catch.body, catch.time) for catch in course.catches] or [Catch("", 0.0)]
     caught = outcome == "caught"
     plan = Plan(
         situation.name, method.name, "caught" if caught else "unreachable", outcome, 0.0,

@@ -9,19 +9,14 @@ import numpy as np
 from gcm_learn.arms import limbs
 from gcm_learn.arms.curves import hermite, on_curve, rate_of
 from gcm_learn.compiled import njit
-from gcm_learn.motion.failures import Failure
 from gcm_learn.motion.joint_interception import ANGLE, approach_excess, has_approach, target_room
 from gcm_learn.motion.joint_verification import bends_of
-from gcm_learn.motion.movement import Movement
 from gcm_learn.motion.rules import CATCH_SAFETY
-from gcm_learn.scene import Scene, bodies
+from gcm_learn.scene import bodies
 
 KEPT, LOST, SLIPPED, TURNED = range(4)
 SLIP = 2e-7  # of relative speeds, relative and absolute; the contract grants 1e-6
 _NARROWEST = 1e-9  # span that is checked before a promise counts as broken [s]
-SHORTEST = 1e-5  # of pieces under limits of jerk [s]
-JERK, ROUNDING = 5e-5, 5e-15  # of third order; the contract grants 1e-4 and 1e-14
-RESTS = 5e-7  # share of a joint's speed that is rest; the contract grants 1e-6
 _ANY = 1e100  # relative speed of a touch
 _MORE = 1.1  # times the differences in a pendulum's table bound its derivatives
 
@@ -255,42 +250,3 @@ def catch_fault(scene, b, since, until, time, joints, rates):
         if fault != KEPT or since == until:
             return fault
     return KEPT
-
-
-def limits_fault(scene: Scene, moves: Movement, forces: np.ndarray) -> Failure | None:
-    """Return what speaks against a movement with rates under limits of jerk.
-
-    Parameters
-    ----------
-    scene : Scene
-    moves : Movement
-    forces : (n,) ndarray
-        Accelerations at t = 0.
-    """
-    limits = scene.limits
-    if moves.rates is None or not np.isfinite(limits.joint_jerk).any():
-        return None
-    span = np.diff(moves.time)[:, None]
-    if (span < SHORTEST).any():
-        return Failure.JOINT_JERK
-    way, (v, w) = np.diff(moves.joints, axis=0), (moves.rates[:-1], moves.rates[1:])
-    first = (6.0 * way / span - 4.0 * v - 2.0 * w) / span
-    last = (2.0 * v + 4.0 * w - 6.0 * way / span) / span
-    jolt, noise = (last - first) / span, ROUNDING / span
-    off = np.abs(np.vstack([forces, last[:-1]]) - first)
-    least = np.minimum(span, np.vstack([span[:1], span[:-1]]))
-    good = (off <= JERK * limits.joint_acceleration + ROUNDING / least**2).all()
-    good &= (np.abs(jolt) <= limits.joint_jerk * (1.0 + JERK) + noise / span**2).all()
-    return None if good else Failure.JOINT_JERK
-
-
-def rests(scene: Scene, moves: Movement) -> bool:
-    """Return whether the joints rest at the end of a movement with rates."""
-    assert moves.rates is not None
-    limits = scene.limits
-    still = bool((np.abs(moves.rates[-1]) <= RESTS * limits.joint_speed).all())
-    if not still or moves.time.size < 2 or not np.isfinite(limits.joint_jerk).any():
-        return still
-    span, way = moves.time[-1] - moves.time[-2], moves.joints[-1] - moves.joints[-2]
-    last = (2.0 * moves.rates[-2] + 4.0 * moves.rates[-1] - 6.0 * way / span) / span
-    return bool((np.abs(last) <= JERK * limits.joint_acceleration).all())

@@ -15,6 +15,9 @@ REST = 1e-6  # joints that are slower than this rest [rad/s]
 CREEP = 0.02  # of its fastest sample; a smooth curve that waits is slower, and never quite still
 
 
+SAME = 1e-9  # instants that are this near are the same [s]
+
+
 class Wait(NamedTuple):
     """A rest of the hand on its way in the plane."""
 
@@ -106,6 +109,13 @@ class Movement:
         speed = np.abs(np.diff(self.joints, axis=0)).max(axis=1) / np.diff(self.time)
         slow = REST if self.rates is None else max(CREEP * speed.max(initial=0.0), REST)
         return bool((speed <= slow).any())
+
+    def until(self, time: float) -> Movement:
+        """Return the movement until one of its samples [s]."""
+        count = int(np.searchsorted(self.time, time - SAME, side="left")) + 1
+        parts = {name: getattr(self, name) for name in ("time", "joints", "rates", "path")}
+        cut = {name: None if rows is None else rows[:count] for name, rows in parts.items()}
+        return Movement(self.arm, **cut)  # type: ignore[arg-type]
 
     def joints_at(self, t: float | np.ndarray) -> np.ndarray:
         """Joints (..., dof) at time(s) t, held before the first and after the last sample."""

@@ -10,10 +10,18 @@ from __future__ import annotations
 
 import numpy as np
 
+from gcm_learn.motion.failures import Failure
 from gcm_learn.motion.movement import Movement
+from gcm_learn.scene import JointLimits
 
 CLOSEST = 2e-5
 """Pieces under limits of jerk take at least this long; the contract asks for half of it [s]."""
+SHORTEST = 1e-5
+"""Pieces under limits of jerk take at least this long [s]."""
+JERK, ROUNDING = 5e-5, 5e-15
+"""Slack of third order, relative and absolute; the contract grants 1e-4 and 1e-14."""
+RESTS = 5e-7
+"""Share of a joint's speed that is rest; the contract grants 1e-6."""
 SAME = 1e-12
 """Instants that differ by rounding alone [s]."""
 SPARE = 1e-5
@@ -101,3 +109,48 @@ def _averages(
     joints += (away(high) - away(low)) @ pieces / (2.0 * half)
     rates += (aside(high) - aside(low)) @ pieces / (2.0 * half)
     return joints, rates
+
+
+def jerk_fault(
+    limits: JointLimits, jerk: np.ndarray, moves: Movement, forces: np.ndarray
+) -> Failure | None:
+    """Return what speaks against a movement with rates under limits of jerk.
+
+    Parameters
+    ----------
+    limits : JointLimits
+    jerk : (n,) ndarray
+    moves : Movement
+    forces : (n,) ndarray
+        Accelerations at t = 0.
+    """
+    assert moves.rates is not None
+    span = np.diff(moves.time)[:, None]
+    if (span < SHORTEST).any():
+        return Failure.JOINT_JERK
+    first, last = _ends_of(moves)
+    jolt, noise = (last - first) / span, ROUNDING / span
+    off = np.abs(np.vstack([forces, last[:-1]]) - first)
+    least = np.minimum(span, np.vstack([span[:1], span[:-1]]))
+    good = (off <= JERK * limits.joint_acceleration + ROUNDING / least**2).all()
+    good &= (np.abs(jolt) <= jerk * (1.0 + JERK) + noise / span**2).all()
+    return None if good else Failure.JOINT_JERK
+
+
+def _ends_of(moves: Movement) -> tuple[np.ndarray, np.ndarray]:
+    """Return accelerations (n - 1, dof) at the beginnings and at the ends of all pieces."""
+    assert moves.rates is not None
+    span, way = np.diff(moves.time)[:, None], np.diff(moves.joints, axis=0)
+    v, w = moves.rates[:-1], moves.rates[1:]
+    return (6.0 * way / span - 4.0 * v - 2.0 * w) / span, (
+        2.0 * v + 4.0 * w - 6.0 * way / span
+    ) / span
+
+
+def rests_at_end(limits: JointLimits, jerk: np.ndarray | None, moves: Movement) -> bool:
+    """Return whether the joints rest at the end of a movement with rates."""
+    assert moves.rates is not None
+    still = bool((np.abs(moves.rates[-1]) <= RESTS * limits.joint_speed).all())
+    if not still or moves.time.size < 2 or jerk is None:
+        return still
+    return bool((np.abs(_ends_of(moves)[1][-1]) <= JERK * limits.joint_acceleration).all())

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -11,7 +13,7 @@ from gcm_learn.arms import PLANAR, ByKind
 from gcm_learn.arms.planar_limb import joints_of
 from gcm_learn.collision.sweep import least_distance
 from gcm_learn.compiled import njit
-from gcm_learn.motion import holding, joint_verification
+from gcm_learn.motion import holding, joint_verification, smoothing
 from gcm_learn.motion.failures import Failure, Reason
 from gcm_learn.motion.movement import Movement
 from gcm_learn.motion.rules import CATCH_SAFETY, Rules
@@ -139,21 +141,27 @@ _NO_RATES = np.empty((0, 4))
 
 
 class Ask(NamedTuple):
-    """A catch after which a movement goes on, and what is asked of its end."""
+    """Catches after which a movement goes on, and what is asked of the movement."""
 
-    time: float  # of the catch [s]
-    until: float  # end of the hold [s]
-    forces: np.ndarray  # (n,): accelerations at t = 0
-    stops: bool  # whether the arm has to rest at the end
-    end_by: float  # time after which it may not go on [s]
+    catches: tuple[tuple[int, float, float], ...]
+    """Targets, when each is caught and when its hold ends [s]."""
+    jerk: np.ndarray | None
+    """(n,): limits, if there are any."""
+    forces: np.ndarray
+    """(n,): accelerations at t = 0."""
+    stops: bool
+    """True if the arm has to rest at the end."""
+    end_by: float
+    """Time after which it may not go on [s]."""
 
     @classmethod
-    def of(cls, situation: Any, time: float, until: float | None) -> Ask:
-        """Return what a situation asks of a catch at a time, and of a hold until another [s]."""
+    def of(cls, situation: Any, catches: Sequence[tuple[int, float, float]]) -> Ask:
+        """Return what a situation asks of a movement with some catches."""
         arm, end_by = situation.arm, situation.end_by
+        jerk = None if arm.max_joint_jerk is None else np.array(arm.max_joint_jerk)
         forces = np.array(arm.joint_accelerations or (0.0,) * len(arm.joints))
-        stops, end_by = situation.end == "rest", np.inf if end_by is None else end_by
-        return cls(time, time if until is None else until, forces, stops, end_by)
+        end_by = math.inf if end_by is None else end_by
+        return cls(tuple(catches), jerk, forces, situation.end == "rest", end_by)
 
 
 def verify(
@@ -169,7 +177,7 @@ def verify(
     trajectory : Movement
         Of the scene's kind of arm.
     body : int
-        Index of the target that is caught, at the trajectory's end unless `ask` says more.
+        Index of the target that is caught at the trajectory's end, if there is no `ask`.
     ask : Ask, optional
         For movements that go on after the catch; only of arms that move in their joints.
 
@@ -180,7 +188,7 @@ def verify(
     if ask is None:
         failure, distance, when = _JUDGES.of(scene)(scene, rules, trajectory, body)
     else:
-        failure, distance, when = _judge_end(scene, rules, trajectory, body, ask)
+        failure, distance, when = _judge_end(scene, rules, trajectory, ask)
     if failure is None:
         return Verdict(True, np.inf if distance > 1e200 else distance - scene.limb.thickness)
     reason = failure.with_numbers(when=when)
@@ -221,27 +229,27 @@ FAULTS_OF_HOLDS = {
 
 
 def _judge_end(
-    scene: Scene, rules: Rules, trajectory: Movement, body: int, ask: Ask
+    scene: Scene, rules: Rules, trajectory: Movement, ask: Ask
 ) -> tuple[Failure | None, float, float]:
-    """Return what is wrong, if anything, with a movement that goes on after the catch."""
-    end = trajectory.duration
-    if trajectory.rates is None:
+    """Return what is wrong, if anything, with a movement that goes on after its catches."""
+    moves, limits, end = trajectory, scene.limits, trajectory.duration
+    if moves.rates is None:
         return Failure.JOINT_ACCELERATION, 0.0, 0.0
-    if ask.time > scene.limits.horizon:
-        return Failure.LATE, 0.0, ask.time
     if end > ask.end_by * (1.0 + _LATER):
         return Failure.ENDS_LATE, 0.0, end
-    if ask.stops and not holding.rests(scene, trajectory):
+    if ask.stops and not smoothing.rests_at_end(limits, ask.jerk, moves):
         return Failure.NOT_AT_REST, 0.0, end
-    failure = holding.limits_fault(scene, trajectory, ask.forces)
-    if failure is None:
-        fault = holding.catch_fault(
-            scene, body, ask.time, ask.until, trajectory.time, trajectory.joints, trajectory.rates
-        )
-        failure = FAULTS_OF_HOLDS.get(fault)
-    if failure is not None:
-        return failure, 0.0, ask.time
-    return _judge_joints(scene, rules, trajectory, -1)
+    if ask.jerk is not None:
+        failure = smoothing.jerk_fault(limits, ask.jerk, moves, ask.forces)
+        if failure is not None:
+            return failure, 0.0, 0.0
+    for body, time, until in ask.catches:
+        if time > limits.horizon:
+            return Failure.LATE, 0.0, time
+        fault = holding.catch_fault(scene, body, time, until, moves.time, moves.joints, moves.rates)
+        if fault != holding.KEPT:
+            return FAULTS_OF_HOLDS[fault], 0.0, time
+    return _judge_joints(scene, rules, moves, -1)
 
 
 _JUDGES = ByKind({PLANAR: _judge_hand}, default=_judge_joints)

@@ -58,6 +58,7 @@ if TYPE_CHECKING:
         FAULTS as FAULTS,
         GAIN as GAIN,
         Anytime as Anytime,
+        Catch as Catch,
         Deadline as Deadline,
         Plan as Plan,
         Planner as Planner,
@@ -105,7 +106,7 @@ __getattr__ = late.late_names(__name__, {
     "oracle.yardstick": ("Yardstick", "without_waits", "yardstick"),
     "outside": ("LIMIT", "broken_promise"),
     "plan": (
-        "FAULTS", "GAIN", "Anytime", "Deadline", "Plan", "Planner", "declined", "deadline_of",
+        "FAULTS", "GAIN", "Anytime", "Catch", "Deadline", "Plan", "Planner", "declined", "deadline_of",
         "plan_to_json", "keeps_limits", "taken", "takes",
     ),
     "references": (

@@ -187,7 +187,9 @@ class JointProblem(Task):
         held = any(target.hold is not None for target in situation.targets)
         return not held and situation.end == "free" and situation.arm.max_joint_jerk is None
 
-    def early_answer(self, keeps_acceleration: bool = False, keeps_ends: bool = False) -> Plan | None:
+    def early_answer(
+        self, keeps_acceleration: bool = False, keeps_ends: bool = False
+    ) -> Plan | None:
         """Return the answer that needs no planning.
 
         Parameters
@@ -369,7 +371,8 @@ def judged(
     """Verify an attempt: a plan if it holds, and the verdict."""
     ask = None
     if attempt.time is not None:
-        ask = motion.Ask.of(problem.situation, attempt.time, attempt.until)
+        catch = attempt.body, attempt.time, attempt.until or attempt.time
+        ask = motion.Ask.of(problem.situation, [catch])
     verdict = motion.verify(problem.scene, problem.rules, attempt.trajectory, attempt.body, ask)
     if not verdict.good:
         return None, verdict

@@ -46,7 +46,8 @@ class LegCourse(NamedTuple):
 
     def with_leg(self, plan: Plan) -> LegCourse:
         """Return the course with one more leg, which catches."""
-        end, moves = plan.catch_time or 0.0, plan.trajectory
+        moves = plan.trajectory
+        end = 0.0 if moves is None else moves.duration
         legs, until = (*self.legs, plan), self.until + end
         names = set(self.left) - {plan.catch_body}
         if moves is None or not names or end >= self.now.horizon:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 import time as clock
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import redirect_stdout
 from copy import deepcopy
 from dataclasses import fields
@@ -16,7 +16,7 @@ from gcm_learn.arms import PLANAR, ByKind, Kind, kind_of
 from gcm_learn.errors import UnknownNameError
 from gcm_learn.maps import CognitiveMap
 from gcm_learn.motion import Ask, Movement, rules_of, start_clearance, verify, why_blocked
-from gcm_learn.planners.plan import Plan, takes
+from gcm_learn.planners.plan import Catch, Plan, takes
 from gcm_learn.planners.references import in_words, place_in
 from gcm_learn.processes import OutOfTime, time_limit
 from gcm_learn.scene import pack
@@ -71,19 +71,19 @@ def judged_anew(situation: AnySituation, plan: Plan) -> tuple[str | None, float 
     parts = (moves.time, moves.hand, moves.joints, moves.rates)
     if not all(np.isfinite(part).all() for part in parts if part is not None):
         return "has numbers that are not finite", None
-    for name, time in plan.on_the_way:
-        fault = _missed_on_the_way(situation, moves, name, time)
+    if goes_on:
+        return _all_held(situation, moves, plan)
+    for one in plan.on_the_way:
+        fault = _missed_on_the_way(situation, moves, one.body, one.time)
         if fault is not None:
             return fault, None
-    if goes_on:
-        return _held_anew(situation, moves, plan)
     return verified_anew(situation, moves, plan.catch_body)
 
 
 def _missing(situation: AnySituation, plan: Plan) -> str | None:
     """Return what is wrong with the targets that a plan catches, and with their order."""
     bodies, wanted = [body.name for body in situation.bodies], len(situation.targets)
-    names, times = zip(*plan.on_the_way, (plan.catch_body, plan.catch_time), strict=True)
+    names, times = zip(*((one["body"], one["time"]) for one in plan.catches), strict=True)
     if situation.catch == "any" and len(names) > 1:
         return f"catches {len(names)} targets, and one is wanted"
     if situation.catch == "all" and len(names) < wanted:
@@ -101,31 +101,34 @@ def _missed_on_the_way(
     situation: AnySituation, moves: Movement, name: str, time: float
 ) -> str | None:
     """Return what verification says against a catch on the way, at one of the samples."""
-    k = int(np.abs(moves.time - time).argmin())
-    if not abs(moves.time[k] - time) <= PLACE_SLACK:
+    if not np.abs(moves.time - time).min() <= PLACE_SLACK:
         return f"catches {name!r} at {time:g} s, which is no sample"
-    parts = {part: getattr(moves, part) for part in GIVEN}
-    until = {part: None if rows is None else rows[: k + 1] for part, rows in parts.items()}
-    fault, _ = verified_anew(situation, Movement(situation.arm, **until), name)  # type: ignore[arg-type]
+    fault, _ = verified_anew(situation, moves.until(time), name)
     return None if fault is None else f"{name!r}: {fault}"
 
 
-def _held_anew(
+def _all_held(
     situation: AnySituation, moves: Movement, plan: Plan
 ) -> tuple[str | None, float | None]:
-    """Return what verification says against a movement that goes on after its catch."""
-    target = next(body for body in situation.targets if body.name == plan.catch_body)
-    time = float(plan.catch_time or 0.0)
-    seconds = 0.0 if target.hold is None else target.hold.seconds
-    until = time if plan.held_until is None else plan.held_until
-    if (plan.held_until is None) != (target.hold is None):
-        return "has a held_until where there is no hold, or none where there is one", None
-    if not abs(until - time - seconds) <= PLACE_SLACK:
-        return f"holds {target.name!r} for {until - time:g} s (must be {seconds:g})", None
-    for when in (time, until):
-        if not np.abs(moves.time - when).min() <= PLACE_SLACK:
-            return f"has no sample at {when:g} s", None
-    return verified_anew(situation, moves, target.name, Ask.of(situation, time, until))
+    """Return what verification says against a movement that goes on after its catches."""
+    bodies, asked, full = [body.name for body in situation.bodies], [], -np.inf
+    for one in plan.catches:
+        number = bodies.index(one["body"])
+        name, hold, time = one["body"], situation.bodies[number].hold, one["time"]
+        until, seconds = one.get("held_until"), 0.0 if hold is None else hold.seconds
+        if (until is None) != (hold is None):
+            return f"{name!r}: held_until is given exactly for targets with a hold", None
+        until = time if until is None else until
+        if not abs(until - time - seconds) <= PLACE_SLACK:
+            return f"{name!r}: is held for {until - time:g} s (must be {seconds:g})", None
+        for when in (time, until):
+            if not np.abs(moves.time - when).min() <= PLACE_SLACK:
+                return f"{name!r}: there is no sample at {when:g} s", None
+        if time < full:
+            return f"{name!r}: is caught at {time:g} s, while the hand is full", None
+        full = until if seconds > 0.0 else full
+        asked.append((number, time, until))
+    return verified_anew(situation, moves, str(plan.catch_body), Ask.of(situation, asked))
 
 
 def verified_anew(
@@ -274,11 +277,10 @@ def _catch(told: dict[str, Any], situation: AnySituation) -> dict[str, Any]:
             "status": "caught",
             "catch_time": _number(told["catch_time"], "catch_time"),
             "catch_body": told["catch_body"] if type(told["catch_body"]) is str else None,
-            "held_until": None
-            if told["held_until"] is None
-            else _number(told["held_until"], "held_until"),
+            "held_until": _maybe((told["held_until"],)),
             "on_the_way": tuple(
-                (str(name), _number(time, "on_the_way")) for name, time in told["on_the_way"]
+                Catch(str(one[0]), _number(one[1], "on_the_way"), _maybe(one[2:]))
+                for one in told["on_the_way"]
             ),
             "trajectory": moves,
         }
@@ -289,6 +291,11 @@ def _catch(told: dict[str, Any], situation: AnySituation) -> dict[str, Any]:
     if reason is not None:
         raise _Broken(reason)
     return values | {"clearance": clearance}
+
+
+def _maybe(given: Sequence[Any]) -> float | None:
+    """Return the one time that is given, if it is."""
+    return None if not given or given[0] is None else _number(given[0], "held_until")
 
 
 def _movement(given: Any, situation: AnySituation) -> Movement:

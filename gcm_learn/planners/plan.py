@@ -6,7 +6,7 @@ import json
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Literal, Protocol
+from typing import Any, Literal, NamedTuple, Protocol
 
 from gcm_learn.arms import PLANAR, Kind, kind_of, solution_format
 from gcm_learn.errors import ArmKindError
@@ -58,6 +58,17 @@ FAULTS = ("broken", "error")
 """Statuses of planners from outside only: a catch that fails verification, and no answer at all."""
 
 
+class Catch(NamedTuple):
+    """A target that is caught."""
+
+    body: str
+    """Its name."""
+    time: float
+    """[s]"""
+    held_until: float | None = None
+    """End of its hold, where there is one [s]."""
+
+
 @dataclass(frozen=True)
 class Plan:
     """A verified catch, or the reason for its absence."""
@@ -76,8 +87,6 @@ class Plan:
     """[s]"""
     catch_body: str | None = None
     """Name of the target that is caught."""
-    held_until: float | None = None
-    """End of the hold [s], where there is one."""
     clearance: float | None = None
     """Smallest distance of limb and obstacles, less the thickness [forearm lengths, or the unit of
     a spatial arm]; infinite without obstacles."""
@@ -86,8 +95,10 @@ class Plan:
     """Reason for a missing catch, to be counted; `message` has its sentence."""
     map: CognitiveMap | None = None
     """The map that the plan came from; plans that needed none leave it out."""
-    on_the_way: tuple[tuple[str, float], ...] = ()
-    """Targets that are caught before `catch_body`, in order: names and times [s]."""
+    on_the_way: tuple[Catch, ...] = ()
+    """Targets that are caught before `catch_body`, in order."""
+    held_until: float | None = None
+    """End of the last hold, where there is one [s]."""
     nodes: int = 0
     """Labels that a search over cells has expanded, or nodes that were added to trees."""
     format: str = ""
@@ -108,11 +119,9 @@ class Plan:
         """Targets that are caught, in order of time: `body`, `time` [s], `held_until` [s]."""
         if self.catch_body is None:
             return []
-        caught = (*self.on_the_way, (self.catch_body, self.catch_time))
-        listed: list[dict[str, Any]] = [{"body": body, "time": t} for body, t in caught]
-        if self.held_until is not None:
-            listed[-1]["held_until"] = self.held_until
-        return listed
+        last = Catch(self.catch_body, self.catch_time or 0.0, self.held_until)
+        told = [one._asdict() for one in (*self.on_the_way, last)]
+        return [{k: v for k, v in one.items() if v is not None} for one in told]
 
 
 class Planner(Protocol):
@@ -204,9 +213,6 @@ def taken(planner: Planner, situation: AnySituation) -> AnySituation:
     ------
     ArmKindError
     """
-    if situation.format in UNTAKEN:
-        name = json.dumps(situation.name)
-        raise ArmKindError(f"no planner takes {situation.format} yet (situation {name})")
     if takes(planner, kind_of(situation)):
         return situation
     raise refused(planner.name, situation)
@@ -228,8 +234,6 @@ def declined(name: str, kind: Kind, where: str = "") -> str:
     return f"{name!r} does not take {kind.plural}{where}{other}"
 
 
-UNTAKEN = ("gcm-learn/situation@4",)
-"""Formats of situations that are read, and not planned for."""
 COLUMNS = {
     "gcm-learn/solution@1": ("time", "hand", "joints"),
     "gcm-learn/solution@2": ("time", "joints", "hand", "elbow", "rates"),

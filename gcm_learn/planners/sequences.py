@@ -11,8 +11,8 @@ import numpy as np
 
 from gcm_learn.motion import Movement
 from gcm_learn.planners.orders import LegCourse, bounded, growing
-from gcm_learn.planners.outside import verified_anew
-from gcm_learn.planners.plan import Deadline, Plan, deadline_of
+from gcm_learn.planners.outside import GOING_ON, judged_anew
+from gcm_learn.planners.plan import Catch, Deadline, Plan, deadline_of
 from gcm_learn.situation import AnySituation
 
 LEGS = 24  # that are planned without a deadline
@@ -47,7 +47,11 @@ def caught_in_turn(
     order = growing if limit is not None and getattr(planner, "anytime", False) else bounded
     asked: list[Plan] = []
 
+    goes_on = situation.format in GOING_ON
+
     def leg(now: Any, **given: Any) -> Plan:
+        if goes_on:  # a leg begins as the one before ended: at rest
+            now = replace(now, end="rest")
         asked.append(planner.plan(now, **given))
         return asked[-1]
 
@@ -78,24 +82,38 @@ def joined(situation: AnySituation, legs: Sequence[Plan], spent: float) -> Plan:
     if situation.catch == "all" and missing:
         message = f"{len(caught)} of {len(situation.targets)} targets are caught in the best order"
         return Plan(situation.name, legs[0].planner, "unreachable", message, spent, format=form)
-    moves, ends = _movement(situation, caught)
-    bodies: list[str | None] = [target.name for target in situation.targets]
-    order = sorted(range(len(ends)), key=lambda k: (ends[k], bodies.index(caught[k].catch_body)))
-    names = [str(caught[k].catch_body) for k in order]  # ties in the order of the bodies
-    fault, clearance = verified_anew(situation, moves, names[-1])
+    moves, since = _movement(situation, caught)
+    bodies = [target.name for target in situation.targets]
+    catches = [_later(leg, start, moves) for leg, start in zip(caught, since, strict=True)]
+    # ties in the order of the bodies
+    catches.sort(key=lambda catch: (catch.time, bodies.index(catch.body)))
+    last = catches[-1]
+    if situation.end == "free":
+        moves = moves.until(last.time if last.held_until is None else last.held_until)
+    plan = Plan(
+        situation.name, legs[0].planner, "caught", "", spent, last.time, last.body, None, moves,
+        nodes=sum(leg.nodes for leg in legs), on_the_way=tuple(catches[:-1]),
+        held_until=last.held_until, format=form,
+    )  # fmt: skip
+    fault, clearance = judged_anew(situation, plan)
     if fault is not None:
         message = f"the legs do not join: {fault}"
         return Plan(situation.name, legs[0].planner, "unreachable", message, spent, format=form)
-    events = ", ".join(f"{name!r} at {t:.3f} s" for name, t in zip(names, ends, strict=True))
-    return Plan(
-        situation.name, legs[0].planner, "caught", f"caught {events}", spent, ends[-1], names[-1],
-        clearance, moves, nodes=sum(leg.nodes for leg in legs),
-        on_the_way=tuple(zip(names[:-1], ends[:-1], strict=True)), format=form,
-    )  # fmt: skip
+    events = ", ".join(f"{one.body!r} at {one.time:.3f} s" for one in catches)
+    return replace(plan, message=f"caught {events}", clearance=clearance)
+
+
+def _later(leg: Plan, since: float, moves: Movement) -> Catch:
+    """Return the catch of a leg that begins at a time, at samples of the whole movement [s]."""
+    times = [None if t is None else since + t for t in (leg.catch_time, leg.held_until)]
+    found = [
+        None if t is None else float(moves.time[np.abs(moves.time - t).argmin()]) for t in times
+    ]
+    return Catch(str(leg.catch_body), found[0] or 0.0, found[1])
 
 
 def _movement(situation: AnySituation, legs: list[Plan]) -> tuple[Movement, list[float]]:
-    """Return the movement of all legs, and when each ends [s]."""
+    """Return the movement of all legs, and when each begins [s]."""
     parts: list[Any] = [leg.trajectory for leg in legs]
     ends = np.cumsum([part.duration for part in parts])
     first = [0] + [1] * (len(parts) - 1)  # where a leg begins, the one before has ended
@@ -109,5 +127,4 @@ def _movement(situation: AnySituation, legs: list[Plan]) -> tuple[Movement, list
     curved = all(part.rates is not None for part in parts)
     rates = end_to_end([part.rates for part in parts]) if curved else None
     moves = Movement(situation.arm, time, end_to_end([part.joints for part in parts]), rates)
-    last = np.cumsum([len(part.time) for part in parts]) - 1 - np.arange(len(parts))
-    return moves, time[last].tolist()
+    return moves, (ends - [part.duration for part in parts]).tolist()

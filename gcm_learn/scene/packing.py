@@ -35,7 +35,6 @@ class JointLimits(NamedTuple):
     speed: float  # of the hand [lengths/s]
     grasp: float  # signed distance of hand and target at which it is caught [lengths]
     horizon: float  # last moment at which a catch counts [s]
-    joint_jerk: np.ndarray  # (n,) [the same per third power of a second]
 
 
 class Scene(NamedTuple):
@@ -85,12 +84,10 @@ def _joint_limits(situation: Any) -> JointLimits:
     arm = situation.arm
     count = len(arm.joints)
     acceleration = arm.max_joint_acceleration or (math.inf,) * count
-    jerk = arm.max_joint_jerk or (math.inf,) * count
     speed = math.inf if arm.max_hand_speed is None else arm.max_hand_speed
     return JointLimits(
-        np.array(arm.max_joint_speed), np.array(acceleration), speed, arm.grasp, situation.horizon,
-        np.array(jerk),
-    )  # fmt: skip
+        np.array(arm.max_joint_speed), np.array(acceleration), speed, arm.grasp, situation.horizon
+    )
 
 
 _LIMITS: ByKind[Callable[[Any], Any]] = ByKind({PLANAR: _limits}, default=_joint_limits)

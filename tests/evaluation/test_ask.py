@@ -174,7 +174,7 @@ def test_targets_are_counted_where_several_are_wanted():
 def first_leg(situation):
     """Catch as `search` does, and stop after the first of several."""
     plan = solve(situation, "search")
-    (name, end), *_ = (*plan.on_the_way, (plan.catch_body, plan.catch_time))
+    name, end = list(plan.catches[0].values())
     moves, until = plan.trajectory, plan.trajectory.time <= end
     rates = None if moves.rates is None else moves.rates[until]
     moves = Movement(situation.arm, moves.time[until], moves.joints[until], rates)

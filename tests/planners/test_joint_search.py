@@ -12,6 +12,7 @@ from gcm_learn import families, get_planner, seeding, solve
 from gcm_learn.arms import forward_in_space
 from gcm_learn.planners import GAIN, TreeSearch, search_in_space
 from gcm_learn.planners.joints.meeting_trees import search_trees
+from gcm_learn.planners.joints.tree_moves import LINES
 from gcm_learn.situation import (
     Body,
     Box,
@@ -128,7 +129,7 @@ def test_what_is_planted_before_trees_grow_is_used():
 
     def begin(problem, trees, end, way):
         begun.append((trees.size.tolist(), end))
-        return search_trees(problem.study, trees, 600, end, way)
+        return search_trees(LINES, problem.study, trees, 600, end, way)
 
     plan = TreeSearch(rounds=1, begin=begin).plan(situation)
     assert begun == [([1, 0], situation.horizon)]

@@ -41,7 +41,7 @@ def test_courses_get_better_and_their_movement_holds(situations, order):
             plan = joined(situation, courses[-1].legs, 0.0)
             assert plan.caught and len(plan.on_the_way) + 1 == len(courses[-1].legs)
             assert judge(situation_to_json(situation), plan_to_json(plan, situation)) == []
-            names = {name for name, _ in plan.on_the_way} | {plan.catch_body}
+            names = {name for name, *_ in plan.on_the_way} | {plan.catch_body}
             assert len(names) == len(courses[-1].legs)
             caught += len(names)
     assert caught >= len(situations)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from gcm_learn.arms.limbs import hand_bound
 from gcm_learn.compiled import by_type, njit
 from gcm_learn.planners.joints.endings import FIRST, UNPULLED, Endings, ended
@@ -44,7 +42,7 @@ def _instant(study, trees, ends, horizon):
 @njit(_nrt=False)
 def draw_end(ends, study, trees, horizon):
     """Draw an end of a movement; see `draw_goal`."""
-    count = ends.count[0]
+    count = ends.made[0]
     if count == ends.body.size:
         return -1
     if count > 0 and uniform(trees) < NEAR_GOAL:

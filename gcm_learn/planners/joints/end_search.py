@@ -30,7 +30,8 @@ class EndSearch:
     def __init__(self, problem: JointProblem, seed: int) -> None:
         limits = problem.scene.limits
         self.problem, arm = problem, problem.situation.arm
-        self.half = half_width(limits.joint_acceleration, limits.joint_jerk)
+        jerk = arm.max_joint_jerk
+        self.half = 0.0 if jerk is None else half_width(limits.joint_acceleration, np.array(jerk))
         self.forces = np.array(arm.joint_accelerations or (0.0,) * len(arm.joints))
         joints, rates = np.array(arm.joints), np.array(arm.joint_rates)
         self.before = start_before(joints, rates, self.forces, self.half)

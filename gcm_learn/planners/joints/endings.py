@@ -36,7 +36,7 @@ SLIP = 0.6  # share of the relative speed that is used
 SLIPS = 0.6  # share of holds in which the hand is slower than the target
 DEPTH = 0.25  # share of grasp and approach that is left for the hold when a posture is drawn
 EASE = 1e-3  # share of the relative speed that is not used
-UNPULLED, UNFREE, FAST, FORCED, SLIPS, HITS, NO_STOP, EARLY = range(8)  # why a draw is no end
+UNPULLED, UNFREE, FAST, FORCED, SLIPS, HITS, NO_STOP, EARLY, END = range(9)  # why it is no end
 FOLLOWS = 0.5  # share of touches with a stop in which the hand is as fast as the target
 
 
@@ -50,7 +50,7 @@ class Endings(NamedTuple):
     size: np.ndarray  # (m,): samples, those before the first included
     span: np.ndarray  # (m, 2): when the target is caught and let go [s]
     body: np.ndarray  # (m,): the target
-    count: np.ndarray  # (1,): ends that are there
+    made: np.ndarray  # (1,): ends that are there
     why: np.ndarray  # (8,): draws that came to nothing, by reason
     half: float  # width of the moving average, halved [s]
     stops: bool  # whether the arm has to rest at the end
@@ -76,9 +76,7 @@ def _aim_of(study: Study) -> Study:
     return study._replace(scene=scene, catch=study.catch - DEPTH * room)
 
 
-def new_endings(
-    study: Study, situation: Situation[Any], count: int, half: float
-) -> Endings:
+def new_endings(study: Study, situation: Situation[Any], count: int, half: float) -> Endings:
     """Return room for a number of ends of movements."""
     scene, n = study.scene, study.goal.size
     longest = max((t.hold.seconds for t in situation.targets if t.hold is not None), default=0.0)
@@ -87,7 +85,8 @@ def new_endings(
     return Endings(
         np.zeros((count, k)), np.zeros((count, k, n)), np.zeros((count, k, n)),
         np.zeros(count, np.int64), np.zeros(count, np.int64), np.zeros((count, 2)),
-        np.zeros(count, np.int64), np.zeros(1, np.int64), np.zeros(8, np.int64), half, situation.end == "rest",
+        np.zeros(count, np.int64), np.zeros(1, np.int64), np.zeros(8, np.int64), half,
+        situation.end == "rest",
         np.zeros((3, n)), np.zeros((3, n)), np.zeros(6), np.zeros(n), np.zeros(n), np.zeros(n),
         np.zeros((6, 8)), np.zeros(6), holding.work_of(scene), _aim_of(study),
     )  # fmt: skip
@@ -95,7 +94,7 @@ def new_endings(
 
 @njit(_nrt=False)
 def _look(study, ends, b, t, q):
-    """Write hand, derivatives and the target's pose at joints q (n,) and t [s]; the hand's place."""
+    """Write derivatives of the hand and the target's pose at joints q (n,), t [s]; the hand."""
     limb, poses = study.scene.limb, ends.work.poses
     place = limbs.hand_of(limb, limbs.place(limb, q))
     limbs.jacobian(limb, q, ends.near)
@@ -179,7 +178,12 @@ def _follow(study, ends, e, b, since, until):
     for j in range(change.size):
         ends.most[j] = limits.joint_acceleration[j] * (1.0 - 2.0 * ramps.EASE) * span
     for i in range(FIRST, FIRST + steps):
-        q, v, p, w = ends.joints[e, i], ends.rates[e, i], ends.joints[e, i + 1], ends.rates[e, i + 1]
+        q, v, p, w = (
+            ends.joints[e, i],
+            ends.rates[e, i],
+            ends.joints[e, i + 1],
+            ends.rates[e, i + 1],
+        )
         t = since + span * (i + 1 - FIRST)
         for j in range(q.size):
             p[j] = q[j] + span * v[j]
@@ -294,8 +298,10 @@ def _stopped(study, trees, ends, e, last):
     for _ in range(CHANCES):
         span = _braking(limits, v, 1.0 + 4.0 * uniform(trees))
         for j in range(q.size):
-            p[j] = q[j] + 0.5 * span * v[j] + (uniform(trees) - 0.5) * span * span * 0.5 * (
-                limits.joint_acceleration[j]
+            p[j] = (
+                q[j]
+                + 0.5 * span * v[j]
+                + (uniform(trees) - 0.5) * span * span * 0.5 * (limits.joint_acceleration[j])
             )
         pieces = ramps.ramp(limits, q, v, p, ends.still, span, ramps.GIVEN, moves)
         if pieces > 0 and ramps.ramp_is_free(study, moves, pieces, since):
@@ -339,33 +345,33 @@ def ended(study, trees, ends, b, t):
     int
         Number of the end; -1 if there is none.
     """
-    e, rows = ends.count[0], study.scene.bodies.rows
-    since, seconds = t - ends.half, max(rows[b, bodies.HOLD], 0.0)
+    e, rows = ends.made[0], study.scene.bodies.rows
+    since, seconds = t - ends.half, rows[b, bodies.HOLD]
     if e == ends.body.size or since <= ends.half:
         return -1
     for j in range(trees.drawn.size):
         ends.joints[e, FIRST, j] = trees.drawn[j]
-    first, last, why = FIRST, FIRST, -1
+    first, last, why = FIRST, FIRST, END
     if not free_at(study.scene, trees.drawn, since, study.touch, study.desk):
         why = UNFREE
     elif not _matched(study, trees, ends, e, b, since):
         why = FAST
     else:
-        if rows[b, bodies.HOLD] < 0.0:
+        if seconds < 0.0:
             last = _pass_by(study, ends, e, t)
         else:
             last = _follow(study, ends, e, b, since, t + seconds + ends.half)
         if last < 0:
             why = FORCED
-        elif rows[b, bodies.HOLD] >= 0.0 and not _keeps_hold(study, ends, e, b, last):
+        elif seconds >= 0.0 and not _keeps_hold(study, ends, e, b, last):
             why = SLIPS
         for i in range(FIRST, last):
-            if why < 0 and not _piece_is_free(study, ends, e, i):
+            if why == END and not _piece_is_free(study, ends, e, i):
                 why = HITS
-    if why < 0 and ends.stops:
+    if why == END and ends.stops:
         last = _stopped(study, trees, ends, e, last)
-        why = NO_STOP if last < 0 else -1
-    if why < 0:
+        why = NO_STOP if last < 0 else END
+    if why == END:
         first = _run_up(study, ends, e)
         limb, limits = study.scene.limb, study.scene.limits
         spare = ends.time[e, first] - ends.half
@@ -373,10 +379,10 @@ def ended(study, trees, ends, b, t):
             limits, limb.start, limb.rates, ends.joints[e, first], spare, False
         ):
             why = EARLY
-    if why >= 0:
+    if why != END:
         ends.why[why] += 1
         return -1
     ends.first[e], ends.size[e], ends.body[e] = first, last + 1, b
-    ends.span[e, 0], ends.span[e, 1] = t, t + seconds
-    ends.count[0] = e + 1
+    ends.span[e, 0], ends.span[e, 1] = t, t + max(seconds, 0.0)
+    ends.made[0] = e + 1
     return e

@@ -86,7 +86,9 @@ def _nearest(study, trees, tree, q, t, worse):
         there = trees.joints[tree, k]
         took = turning_time(limits.joint_speed, there, q)
         if worse < took < best and took <= spare:
-            if ends_free(trees, tree, k) or may_by(trees.moves, limits, there, trees.rates[tree, k], q, spare, tree):
+            if ends_free(trees, tree, k) or may_by(
+                trees.moves, limits, there, trees.rates[tree, k], q, spare, tree
+            ):
                 best, found = took, k
     return found, best
 

@@ -10,15 +10,10 @@ from gcm_learn.collision.distance import to_body
 from gcm_learn.compiled import njit
 from gcm_learn.scene.bodies import (
     ACCELERATION,
-    AXIS,
     BALL,
-    PIECES,
-    POSITION,
-    SPIN,
     SWING,
     VELOCITY,
     centre_at,
-    swing_angle,
 )
 from gcm_learn.scene.shapes.choice import from_nearest
 

@@ -192,9 +192,7 @@ def _tell_obstacle(view, b, time, where, ahead, row, at):
     put_vector(row, at + 1, px, py, pz, reach)
     put_vector(row, at + 4, x, y, z, reach)
     put(row, at + 7, (np.sqrt(x * x + y * y + z * z) - radius - view.rules.touch) / reach)
-    vx, vy, vz = velocity_by(
-        bodies, b, piece_at(bodies, b, time), time, (px + x, py + y, pz + z)
-    )
+    vx, vy, vz = velocity_by(bodies, b, piece_at(bodies, b, time), time, (px + x, py + y, pz + z))
     joints, rates = view.joints[0], view.rates[0]
     lx, ly, lz = chains.point_velocity_on(limb, where, i, joints, rates, px, py, pz)
     put_vector(row, at + 8, vx - lx, vy - ly, vz - lz, view.pace)
