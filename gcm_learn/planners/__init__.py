@@ -106,8 +106,8 @@ __getattr__ = late.late_names(__name__, {
     "oracle.yardstick": ("Yardstick", "without_waits", "yardstick"),
     "outside": ("LIMIT", "broken_promise"),
     "plan": (
-        "FAULTS", "GAIN", "Anytime", "Catch", "Deadline", "Plan", "Planner", "declined", "deadline_of",
-        "plan_to_json", "keeps_limits", "taken", "takes",
+        "FAULTS", "GAIN", "Anytime", "Catch", "Deadline", "Plan", "Planner", "declined",
+        "deadline_of", "keeps_limits", "plan_to_json", "taken", "takes",
     ),
     "references": (
         "absolute", "acts", "found", "in_words", "instance", "name_of", "source_of",

@@ -279,8 +279,8 @@ def _catch(told: dict[str, Any], situation: AnySituation) -> dict[str, Any]:
             "catch_body": told["catch_body"] if type(told["catch_body"]) is str else None,
             "held_until": _maybe((told["held_until"],)),
             "on_the_way": tuple(
-                Catch(str(one[0]), _number(one[1], "on_the_way"), _maybe(one[2:]))
-                for one in told["on_the_way"]
+                Catch(str(name), _number(time, "on_the_way"), _maybe(rest))
+                for name, time, *rest in told["on_the_way"]
             ),
             "trajectory": moves,
         }

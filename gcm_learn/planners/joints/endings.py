@@ -33,7 +33,7 @@ GAIN = 0.3  # share of a hand's distance from its place that a step makes good
 BRAKES = (1.02, 1.5, 2.5, 4.0)  # times of braking that are tried, in the shortest
 CHANCES = 20  # stops that are drawn where even braking is not free
 SLIP = 0.6  # share of the relative speed that is used
-SLIPS = 0.6  # share of holds in which the hand is slower than the target
+OFTEN = 0.6  # share of holds in which the hand is slower than the target
 DEPTH = 0.25  # share of grasp and approach that is left for the hold when a posture is drawn
 EASE = 1e-3  # share of the relative speed that is not used
 UNPULLED, UNFREE, FAST, FORCED, SLIPS, HITS, NO_STOP, EARLY, END = range(9)  # why it is no end
@@ -129,7 +129,7 @@ def _matched(study, trees, ends, e, b, t):
     ends.place[3:] = 0.0
     if held:
         fast = np.sqrt(wanted[0] ** 2 + wanted[1] ** 2 + wanted[2] ** 2)
-        if uniform(trees) < SLIPS and fast > 0.0:
+        if uniform(trees) < OFTEN and fast > 0.0:
             slower = min(SLIP * uniform(trees) * row[b, bodies.HOLD_SPEED] / fast, 1.0)
             for k in range(3):
                 ends.place[3 + k] = -slower * wanted[k]

@@ -1,0 +1,156 @@
+"""Holds, stops and limits of jerk: every catch passes the referee."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from gcm_learn import solve
+from gcm_learn.motion.movement import Movement
+from gcm_learn.motion.smoothing import half_width, smoothed, start_before
+from gcm_learn.planners import get_planner, plan_to_json
+from gcm_learn.planners.outside import broken_promise
+from gcm_learn.referee import judge
+from gcm_learn.situation import situation_from_json
+from tests.chains import drawn
+
+
+def asked(name, k, jerk=None, hold=(0.1, 0.3), end="rest", **arm):
+    """Situation k of a set whose targets have to be held, with limits of acceleration."""
+    given = drawn(name, k) | {"format": "gcm-learn/situation@4", "end": end}
+    forces = [5.0 * joint["max_speed"] for joint in given["arm"]["model"]["joints"]]
+    given["arm"] |= {"max_acceleration": forces} | arm
+    if jerk is not None:
+        given["arm"]["max_jerk"] = [jerk * force for force in forces]
+    for body in given["bodies"]:
+        if body["role"] == "target" and hold is not None:
+            body["hold"] = dict(zip(("seconds", "relative_speed"), hold, strict=True))
+    return given
+
+
+def answers(rows, least):
+    """Solve, and let the referee see every answer."""
+    plans = []
+    for given in rows:
+        plan = solve(situation_from_json(given), "search")
+        answer = json.loads(json.dumps(plan_to_json(plan)))
+        assert answer["format"] == "gcm-learn/solution@4"
+        assert judge(given, answer) == [], given["name"]
+        plans += [plan] if plan.caught else []
+    assert len(plans) >= least
+    return plans
+
+
+@pytest.mark.parametrize(("name", "least"), [("slide", 2), ("panda", 4)])
+@pytest.mark.parametrize("jerk", [None, 100.0])
+def test_what_is_held_is_held_and_the_arm_rests(name, least, jerk):
+    for plan in answers([asked(name, k, jerk) for k in range(12)], least):
+        assert plan.held_until == pytest.approx(plan.catch_time + 0.1)
+        assert not plan.trajectory.rates[-1].any() and plan.trajectory.duration > plan.held_until
+
+
+def test_a_movement_may_end_with_its_hold():
+    for plan in answers([asked("panda", k, 50.0, end="free") for k in range(10)], 3):
+        assert plan.trajectory.duration == pytest.approx(plan.held_until)
+
+
+@pytest.mark.parametrize("jerk", [None, 100.0])
+def test_a_touch_may_end_at_rest(jerk):
+    for plan in answers([asked("panda", k, jerk, None) for k in range(10)], 5):
+        assert plan.held_until is None and "held_until" not in plan.catches[0]
+
+
+def test_a_target_is_hit_as_fast_as_it_moves():
+    answers([asked("panda", k, hold=(0.0, 0.05), end="free") for k in range(10)], 4)
+
+
+def test_the_arm_may_move_at_first():
+    rates, forces = [0.1, -0.1, 0.05, 0.1, 0.1, -0.2, 0.1], [0.5, -0.4, 0.3, 0.2, -0.6, 0.4, 0.2]
+    start = {"rates": rates, "accelerations": forces}
+    plan = answers([asked("panda", k, 40.0, **start) for k in range(10)], 3)[0]
+    begun = plan.trajectory.states_at(np.zeros(1))
+    np.testing.assert_allclose(begun[1][0], rates)
+    np.testing.assert_allclose(begun[2][0], forces, rtol=1e-6)
+
+
+def test_what_ends_too_late_is_no_answer():
+    given = next(g for g in map(lambda k: asked("panda", k), range(12)) if solved(g).caught)
+    end = solved(given).trajectory.duration
+    assert not solved(given | {"end_by": 0.5 * end}).caught
+    assert solved(given | {"end_by": 1.01 * end}).caught
+
+
+def solved(given):
+    return solve(situation_from_json(given), "search")
+
+
+@pytest.mark.parametrize("planner", ["straight", "marching", "recall"])
+def test_other_planners_say_that_they_end_with_a_touch(planner):
+    plan = get_planner(planner).plan(situation_from_json(asked("panda", 1)))
+    assert plan.status == "unreachable" and "a hold, a rest or limits of jerk" in plan.message
+
+
+LIES = {
+    "held for": lambda plan: replace(plan, held_until=plan.held_until - 1e-3),
+    "no sample": lambda plan: replace(
+        plan, catch_time=plan.catch_time - 1e-3, held_until=plan.held_until - 1e-3
+    ),
+    "rest at the end": lambda plan: replace(
+        plan, trajectory=plan.trajectory.until(plan.held_until)
+    ),
+    "held_until": lambda plan: replace(plan, held_until=None),
+}
+
+
+@pytest.mark.parametrize("word", LIES)
+def test_no_lie_comes_through(word):
+    given = next(g for g in map(lambda k: asked("panda", k), range(12)) if solved(g).caught)
+    situation, plan = situation_from_json(given), solved(given)
+    assert broken_promise(situation, plan) is None
+    assert word in str(broken_promise(situation, LIES[word](plan)))
+
+
+@pytest.mark.parametrize(
+    ("narrow", "word"),
+    [
+        ({"hold": {"seconds": 0.1, "relative_speed": 1e-3}}, "relative_speed"),
+        ({"shape": {"kind": "sphere", "radius": 1e-3}}, "before the end of the hold"),
+        ({"approach": {"axis": [0, 0, 1], "within": 1e-3}}, "the approach"),
+    ],
+)
+def test_a_hold_that_is_kept_is_broken_under_narrower_limits(narrow, word):
+    given = next(g for g in map(lambda k: asked("panda", k), range(12)) if solved(g).caught)
+    plan = solved(given)
+    bodies = [b | (narrow if b["role"] == "target" else {}) for b in given["bodies"]]
+    given = given | {"bodies": bodies}
+    if "shape" in narrow:
+        given["arm"] = given["arm"] | {"grasp": 0.0}
+    situation = situation_from_json(given)
+    moves = replace(plan.trajectory, arm=situation.arm)
+    assert word in str(broken_promise(situation, replace(plan, trajectory=moves)))
+
+
+def test_an_average_keeps_limits_and_digits(rng):
+    """Third derivatives are within the limits, and pieces join in their second derivatives."""
+    arm = situation_from_json(asked("panda", 1, 50.0)).arm
+    force, jerk = np.array(arm.max_joint_acceleration), np.array(arm.max_joint_jerk)
+    half = half_width(force, jerk)
+    begun = 0.3 * force
+    joints, rates = start_before(np.array(arm.joints), np.zeros(7), begun, half)
+    time, q, v = [0.0], [joints], [rates]
+    for a in [begun, -force, force, *(rng.uniform(-1, 1, (4, 7)) * force), None]:
+        span = half * (1.0 + 3.0 * rng.random()) if a is not None else np.abs(v[-1] / force).max()
+        a = -v[-1] / span if a is None else a
+        time.append(time[-1] + span)
+        q.append(q[-1] + span * (v[-1] + 0.5 * span * a))
+        v.append(v[-1] + span * a)
+    made = smoothed(Movement(arm, *map(np.array, (time, q, v))), begun, half, np.zeros(0))
+    t = np.linspace(0.0, made.duration, 4000)
+    _, _, forces = made.states_at(t[:-1])
+    np.testing.assert_allclose(made.joints[0], arm.joints, atol=1e-15)
+    np.testing.assert_allclose(forces[0], begun, rtol=1e-6)
+    steps = np.abs(np.diff(forces, axis=0)) / np.diff(t[:-1])[:, None]
+    assert (steps <= jerk * (1.0 + 1e-6)).all()
