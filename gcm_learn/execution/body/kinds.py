@@ -96,7 +96,13 @@ class Mechanics:
 def _rested(arm: Any) -> Any:
     start: Any = tuple(low for low, _ in arm.joint_range)
     return replace(
-        arm, base=arms.Base(), joints=start, joint_rates=None, max_joint_acceleration=None
+        arm,
+        base=arms.Base(),
+        joints=start,
+        joint_rates=None,
+        max_joint_acceleration=None,
+        max_joint_jerk=None,
+        joint_accelerations=None,
     )
 
 

@@ -36,6 +36,8 @@ SLICE = 100
 """Postures that catch to draw between two readings of the clock."""
 ROUNDS = 6000
 PATIENCE = 40
+AFRESH = 1500
+"""Ends of movements to draw before trees begin anew."""
 VAIN = 10
 """Pairs of trees in a row that find nothing earlier, after which the search ends."""
 MANY = 16
@@ -120,11 +122,13 @@ class TreeSearch:
         """A catch until `end` [s] that is held, or after which the arm rests."""
         if problem.deadline is None:
             problem.budget[0] = WORK
-        seed, rounds = self.seed, self.rounds
-        plan = EndSearch(problem, seed).plan(end, rounds)
-        while not plan.caught and problem.deadline is not None and not problem.over:
-            seed, rounds = seed + 1, min(2 * rounds, MANY * self.rounds)
-            plan = EndSearch(problem, seed).plan(end, rounds)
+        seed, left = self.seed, self.rounds
+        plan = EndSearch(problem, seed).plan(end, min(left, AFRESH))
+        while not plan.caught and not problem.over and problem.budget[0] >= 0:
+            seed, left = seed + 1, left - AFRESH
+            if left <= 0 and problem.deadline is None:
+                break
+            plan = EndSearch(problem, seed).plan(end, AFRESH)
         return replace(plan, planning_ms=problem.elapsed_ms, nodes=problem.nodes)
 
     def _sooner(self, problem: JointProblem, plan: Plan) -> Plan:
