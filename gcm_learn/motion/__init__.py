@@ -27,6 +27,11 @@ from gcm_learn.motion.rules import (
     rules_of as rules_of,
     start_clearance as start_clearance,
 )
+from gcm_learn.motion.smoothing import (
+    half_width as half_width,
+    smoothed as smoothed,
+    start_before as start_before,
+)
 from gcm_learn.motion.stopping import braked as braked, with_stop as with_stop
 from gcm_learn.motion.timing import (
     SPACING as SPACING,

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from gcm_learn.motion import Failure, Movement
-from gcm_learn.motion.smoothing import half_width, smoothed, start_before
+from gcm_learn.motion import Failure, Movement, half_width, smoothed, start_before
 from gcm_learn.planners.completion import Attempt, JointProblem, checked
 from gcm_learn.planners.joints.endings import new_endings
 from gcm_learn.planners.joints.meeting_trees import hastened, search_trees
