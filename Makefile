@@ -19,7 +19,7 @@ SMALL := tests/test_compiled.py tests/test_boxing.py tests/test_plain.py tests/p
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo test slow bench lint format docs numba-test wheel wheel-test clean distclean
+.PHONY: help demo test tested slow bench lint format docs numba-test wheel wheel-test clean distclean
 
 help:  ## show this list
 	@grep -hE '^[a-z-]+:.*##' $(firstword $(MAKEFILE_LIST)) | awk -F ':.*## ' '{printf "  make %-10s %s\n", $$1, $$2}'
@@ -28,7 +28,10 @@ demo: $(VENV)/.core  ## solve the paper's scenes and 200 random ones, with figur
 	$(BIN)/gcm-learn demo --out demo
 
 # Two at once, most of whose time is compiling on a new machine; who is done helps the other.
-test: lint  ## everything that must pass: style, types, import direction, tests
+test: $(VENV)/.dev  ## everything that must pass: style, types, import direction, tests
+	@$(MAKE) --no-print-directory --jobs 2 lint tested
+
+tested: $(VENV)/.dev
 	$(BIN)/python -m pytest -n 2 --dist worksteal
 
 slow: $(VENV)/.dev  ## the tests that take minutes

@@ -113,6 +113,7 @@ def test_the_command_solves_with_the_memory_of_a_folder(tmp_path, capsys):
     assert referee.judge(situation_to_json(situation), solution) == []
 
 
+@pytest.mark.slow
 def test_a_memory_of_a_chain_recalls_its_own_catches():
     planner, own = recall.RecallPlanner(memory()), 0
     for k, (situation, _) in enumerate(catches()):
