@@ -19,7 +19,18 @@ from gcm_learn.arms.curves import line, on_curve
 from gcm_learn.arms.link_gaps import near_links
 from gcm_learn.collision.distance import bone_distance, point_distance
 from gcm_learn.compiled import by_type, njit
-from gcm_learn.scene.bodies import BALL, LIMB, PART, REACH, TOP_SPEED, centre_at, drift, rotate
+from gcm_learn.scene.bodies import (
+    BALL,
+    LIMB,
+    MARGIN,
+    MARGIN_RATE,
+    PART,
+    REACH,
+    TOP_SPEED,
+    centre_at,
+    drift,
+    rotate,
+)
 from gcm_learn.scene.shapes.ball import off_bone
 
 CHUNK = 60  # obstacles that one search asks after: the bits of an integer
@@ -65,10 +76,17 @@ def desk_of(scene):
     )
 
 
+@njit(_nrt=False, forceinline=True)
+def margin_at(bodies, b, t):
+    """Distance that is kept from body b at t [s]."""
+    return bodies.rows[b, MARGIN] + bodies.rows[b, MARGIN_RATE] * t
+
+
 @njit(_nrt=False)
 def _gap_to_links(limb, where, slack, bodies, b, t, off, enough, poses):
     """Ask link by link; the ball that holds the body bounds what is farther."""
-    turned = centre_at(bodies, b, t, poses)
+    turned, margin = centre_at(bodies, b, t, poses), margin_at(bodies, b, t)
+    enough += margin
     x, y, z, reach = poses[b, 0], poses[b, 1], poses[b, 2], bodies.rows[b, REACH]
     best, room = 1e300, 1e300
     for i in range(limbs.link_count(limb)):
@@ -83,20 +101,24 @@ def _gap_to_links(limb, where, slack, bodies, b, t, off, enough, poses):
                 turned = False
             gap = bone_distance(bodies, poses, b, (px, py, pz), (qx, qy, qz)) - radius
         best, room = min(best, gap), min(room, gap - slip)
-    return best, room
+    return best - margin, room - margin
 
 
 @njit(_nrt=False, forceinline=True)
 def _gap_to_capsules(limb, where, slack, bodies, b, t, off, enough, poses):
     """Ask only the links whose balls are near to the body's, which are mostly none."""
-    turned = centre_at(bodies, b, t, poses)
+    turned, margin = centre_at(bodies, b, t, poses), margin_at(bodies, b, t)
+    enough += margin
     far = enough + off + bodies.rows[b, REACH]
     x, y, z = poses[b, 0], poses[b, 1], poses[b, 2]
     count = near_links(limb.balls, limb.ways, x, y, z, far, limb.near)
     if count == 0:
         return 1e300, 1e300
     links = (limb.near, limb.reaches, limb.balls, limb.radii, limb.ways, limb.ignored)
-    return _gap_to_near(links, count, bodies, b, t, turned, off, enough, limbs.inverts(limb), poses)
+    best, room = _gap_to_near(
+        links, count, bodies, b, t, turned, off, enough, limbs.inverts(limb), poses
+    )
+    return best - margin, room - margin
 
 
 @njit(_nrt=False)
@@ -153,7 +175,7 @@ def _gap_to_near(arrays, count, bodies, b, t, turned, off, enough, bones, poses)
 
 
 gap_to = by_type({None: _gap_to_links, ChainLimb: _gap_to_capsules})
-"""Distance of body b at t [s] to a limb at a place, and the same less slack.
+"""Distance of body b at t [s] to a limb at a place, less its margin, and the same less slack.
 
 Parameters
 ----------

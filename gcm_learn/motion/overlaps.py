@@ -46,8 +46,11 @@ def _overlaps(situation: AnySituation, scene: Scene) -> Iterator[_Overlap]:
         for i, axis in enumerate((axes - centre) @ turn):
             if body.role == "obstacle" and (i, body.name) not in ignored:
                 off = off_segment(np.zeros((1, 3)), *axis)[0] - body.shape.bounding_radius
-                off = _least(partial(_gaps, bodies, b), axis) if off <= radii[i] else off
-                yield radii[i] - off, kind.name(arm, i), repr(body.name)
+                margin = 0.0 if body.margin is None else body.margin.now
+                kept = radii[i] + margin
+                off = _least(partial(_gaps, bodies, b), axis) if off <= kept else off
+                called = f"{body.name!r} with its margin" if margin else repr(body.name)
+                yield kept - off, kind.name(arm, i), called
     for i, j in arm.model.self_collision if hasattr(arm, "model") else ():
         off = _least(partial(off_segment, start=axes[j, 0], end=axes[j, 1]), axes[i])
         yield radii[i] + radii[j] - off, kind.name(arm, i), kind.name(arm, j)

@@ -18,7 +18,7 @@ from gcm_learn.motion.failures import Failure, Reason
 from gcm_learn.motion.movement import Movement
 from gcm_learn.motion.rules import CATCH_SAFETY, Rules
 from gcm_learn.scene import Scene, pack
-from gcm_learn.scene.bodies import pose_at
+from gcm_learn.scene.bodies import MARGIN, MARGIN_RATE, pose_at
 from gcm_learn.scene.shapes.choice import gap_in_plane
 from gcm_learn.situation import Situation
 
@@ -215,9 +215,14 @@ def _judge_joints(
     if given is None and np.isfinite(limits.joint_acceleration).any():
         return Failure.JOINT_ACCELERATION, 0.0, 0.0
     rates = _NO_RATES if given is None else given
-    fault, distance, when = joint_verification.judge(
-        scene, rules.touch, trajectory.time, trajectory.joints, rates, body
-    )
+    moves = trajectory.time, trajectory.joints, rates
+    fault, distance, when = joint_verification.judge(scene, rules.touch, *moves, body)
+    rows = scene.bodies.rows
+    if fault == joint_verification.NOTHING and rows[:, MARGIN : MARGIN_RATE + 1].any():
+        rows = rows.copy()  # clearances count without margins
+        rows[:, MARGIN : MARGIN_RATE + 1] = 0.0
+        bare = scene._replace(bodies=scene.bodies._replace(rows=rows))
+        distance = joint_verification.judge(bare, rules.touch, *moves, body)[1]
     return FAULTS_OF_JOINTS.get(fault), distance, when
 
 

@@ -45,7 +45,8 @@ PIECES = 45  # number of pieces in the entry of `angles`; 0 for a pendulum
 BALL = 46  # 1 if the body is all of the ball that holds it, so that no turn can be seen
 HOLD = 47  # how long a target is held after its catch [s]; -1 where a touch will do
 HOLD_SPEED = 48  # largest speed of the hand relative to it in the hold [lengths/s]
-COLUMNS = 49
+MARGIN, MARGIN_RATE = 49, 50  # distance to be kept from an obstacle at t = 0, and how it grows
+COLUMNS = 51
 
 # Numbers of a piece; from POSITION to TURN they are those of a body's row.  They lie in `angles`,
 # two in a row: a table of their own would be one array more to hand on, which slows all kernels.
@@ -279,7 +280,12 @@ def top_speed(number, bodies, b, p, t0, t1):
 
 @njit(_nrt=False)
 def drift(bodies, b, t0, t1):
-    """Bound how far any point of body b travels between t0 and t1."""
+    """Bound how far any point of body b and its margin travel between t0 and t1."""
+    return _travel(bodies, b, t0, t1) + bodies.rows[b, MARGIN_RATE] * (t1 - t0)
+
+
+@njit(_nrt=False)
+def _travel(bodies, b, t0, t1):
     body = bodies.rows
     if body[b, SWING] >= 0.0:
         if body[b, PIECES] > 0.0:

@@ -124,6 +124,8 @@ def pack_bodies(situation: AnySituation, until: float | None = None) -> Bodies:
         if body.approach:
             row[k.APPROACH : k.APPROACH + 3] = body.approach[0].axis
             row[k.WITHIN] = body.approach[0].within
+        if body.margin is not None:
+            row[k.MARGIN], row[k.MARGIN_RATE] = body.margin.now, body.margin.rate
         row[k.HOLD] = -1.0
         if body.hold is not None:
             row[k.HOLD], row[k.HOLD_SPEED] = body.hold.seconds, body.hold.relative_speed
@@ -194,7 +196,7 @@ def pose(situation: AnySituation, index: int, t: float) -> tuple[np.ndarray, np.
 
 @njit
 def _bound_speeds(bodies, horizon):
-    """Fill in the largest speed of any point of each body during [0, horizon]."""
+    """Fill in the largest speed of any point of each body and its margin during [0, horizon]."""
     rows = bodies.rows
     for b in range(rows.shape[0]):
         if rows[b, k.SWING] < 0.0:
@@ -212,3 +214,4 @@ def _bound_speeds(bodies, horizon):
                 rate = max(rate, abs(bodies.angles[swing, i, 1]))
             reach = rows[b, k.HANG] + rows[b, k.REACH]
             rows[b, k.TOP_SPEED] = rate * (1.0 + 1e-6) * reach
+        rows[b, k.TOP_SPEED] += rows[b, k.MARGIN_RATE]

@@ -83,6 +83,26 @@ def test_what_ends_too_late_is_no_answer():
     assert solved(given | {"end_by": 1.01 * end}).caught
 
 
+def test_margins_are_kept_and_clearances_are_without_them():
+    """The referee judges both; a margin that grows too fast leaves no way."""
+    rows = [asked("panda", k, end="free", hold=None) for k in range(12)]
+    for given in rows:
+        for body in given["bodies"]:
+            if body["role"] == "obstacle":
+                body["margin"] = {"now": 0.01, "rate": 0.02}
+    plan = next(plan for plan in answers(rows, 4) if plan.clearance < 1e9)
+    assert plan.clearance > 0.01 + 0.02 * plan.catch_time - 1e-9 or plan.clearance > 0.01
+    given = next(given for given in rows if given["name"] == plan.name)
+    assert "touched" in str(broken_promise(with_margin(given, 1.01 * plan.clearance), plan))
+    assert "with its margin" in solve(with_margin(given, 9.0), "search").message
+
+
+def with_margin(given, now):
+    margin = {"margin": {"now": now, "rate": 0.0}}
+    bodies = [b | (margin if b["role"] == "obstacle" else {}) for b in given["bodies"]]
+    return situation_from_json(given | {"bodies": bodies})
+
+
 def solved(given):
     return solve(situation_from_json(given), "search")
 
@@ -122,15 +142,16 @@ def test_no_lie_comes_through(word):
     ],
 )
 def test_a_hold_that_is_kept_is_broken_under_narrower_limits(narrow, word):
-    given = next(g for g in map(lambda k: asked("panda", k), range(12)) if solved(g).caught)
-    plan = solved(given)
-    bodies = [b | (narrow if b["role"] == "target" else {}) for b in given["bodies"]]
-    given = given | {"bodies": bodies}
-    if "shape" in narrow:
-        given["arm"] = given["arm"] | {"grasp": 0.0}
-    situation = situation_from_json(given)
-    moves = replace(plan.trajectory, arm=situation.arm)
-    assert word in str(broken_promise(situation, replace(plan, trajectory=moves)))
+    said = []
+    for given in (asked("panda", k) for k in range(8)):
+        plan = solved(given)
+        if plan.caught:
+            bodies = [b | (narrow if b["role"] == "target" else {}) for b in given["bodies"]]
+            arm = given["arm"] | ({"grasp": 0.0} if "shape" in narrow else {})
+            situation = situation_from_json(given | {"bodies": bodies, "arm": arm})
+            moves = replace(plan.trajectory, arm=situation.arm)
+            said.append(str(broken_promise(situation, replace(plan, trajectory=moves))))
+    assert any(word in text for text in said)
 
 
 def test_an_average_keeps_limits_and_digits(rng):
