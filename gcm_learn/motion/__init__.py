@@ -1,6 +1,7 @@
 """Timed movement: trajectories, timing under limits, interception, verification."""
 
 from gcm_learn.motion.as_obstacles import as_obstacles as as_obstacles
+from gcm_learn.motion.carrying import Carry as Carry
 from gcm_learn.motion.failures import Failure as Failure, Reason as Reason
 from gcm_learn.motion.interception import (
     anywhere as anywhere,
@@ -29,6 +30,7 @@ from gcm_learn.motion.rules import (
 )
 from gcm_learn.motion.smoothing import (
     half_width as half_width,
+    rests_at_end as rests_at_end,
     smoothed as smoothed,
     start_before as start_before,
 )

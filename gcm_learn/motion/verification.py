@@ -207,7 +207,7 @@ def _judge_hand(
     return FAULTS.get(fault), distance, when
 
 
-def _judge_joints(
+def judge_joints(
     scene: Scene, rules: Rules, trajectory: Movement, body: int
 ) -> tuple[Failure | None, float, float]:
     """Return what is wrong, if anything; the least distance; when [s]."""
@@ -254,10 +254,10 @@ def _judge_end(
         fault = holding.catch_fault(scene, body, time, until, moves.time, moves.joints, moves.rates)
         if fault != holding.KEPT:
             return FAULTS_OF_HOLDS[fault], 0.0, time
-    return _judge_joints(scene, rules, moves, -1)
+    return judge_joints(scene, rules, moves, -1)
 
 
-_JUDGES = ByKind({PLANAR: _judge_hand}, default=_judge_joints)
+_JUDGES = ByKind({PLANAR: _judge_hand}, default=judge_joints)
 
 
 @njit(_nrt=False)

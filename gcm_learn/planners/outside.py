@@ -15,7 +15,16 @@ import numpy as np
 from gcm_learn.arms import PLANAR, ByKind, Kind, kind_of
 from gcm_learn.errors import UnknownNameError
 from gcm_learn.maps import CognitiveMap
-from gcm_learn.motion import Ask, Movement, rules_of, start_clearance, verify, why_blocked
+from gcm_learn.motion import (
+    Ask,
+    Carry,
+    Movement,
+    rests_at_end,
+    rules_of,
+    start_clearance,
+    verify,
+    why_blocked,
+)
 from gcm_learn.planners.plan import Catch, Plan, takes
 from gcm_learn.planners.references import in_words, place_in
 from gcm_learn.processes import OutOfTime, time_limit
@@ -112,6 +121,7 @@ def _all_held(
 ) -> tuple[str | None, float | None]:
     """Return what verification says against a movement that goes on after its catches."""
     bodies, asked, full = [body.name for body in situation.bodies], [], -np.inf
+    carries: list[tuple[Carry, float]] = []
     for one in plan.catches:
         number = bodies.index(one["body"])
         name, hold, time = one["body"], situation.bodies[number].hold, one["time"]
@@ -126,9 +136,36 @@ def _all_held(
                 return f"{name!r}: there is no sample at {when:g} s", None
         if time < full:
             return f"{name!r}: is caught at {time:g} s, while the hand is full", None
-        full = until if seconds > 0.0 else full
+        full, place = until if seconds > 0.0 else full, situation.bodies[number].place
+        if (one.get("placed") is None) != (place is None):
+            return f"{name!r}: placed is given exactly for targets with a place", None
+        if place is not None:
+            full = one["placed"]
+            carries.append((Carry(situation, number, moves, until), full))  # type: ignore[arg-type]
         asked.append((number, time, until))
-    return verified_anew(situation, moves, str(plan.catch_body), Ask.of(situation, asked))
+    found, clearance = verified_anew(
+        situation, moves, str(plan.catch_body), Ask.of(situation, asked)
+    )
+    for carry, placed in carries if found is None else ():
+        fault = _carried_anew(carry, placed)
+        if isinstance(fault, str):
+            return fault, None
+        clearance = min(clearance or np.inf, fault)
+    return found, clearance
+
+
+def _carried_anew(carry: Carry, placed: float) -> str | float:
+    """Return what verification says against a carry, or its clearance."""
+    moves, name = carry.moves, carry.target.name
+    k = int(np.abs(moves.time - placed).argmin())
+    if not abs(moves.time[k] - placed) <= PLACE_SLACK or placed <= carry.held:
+        return f"{name!r}: there is no sample at {placed:g} s, when it is placed"
+    ask = Ask.of(carry.situation, ())
+    until = moves.until(placed)
+    if not rests_at_end(pack(carry.situation).limits, ask.jerk, until):
+        return f"{name!r}: is placed while the arm moves"
+    failure, clearance, when = carry.fault(placed)
+    return clearance if failure is None else f"{name!r}: {failure.with_numbers(when=when)}"
 
 
 def verified_anew(
@@ -278,8 +315,9 @@ def _catch(told: dict[str, Any], situation: AnySituation) -> dict[str, Any]:
             "catch_time": _number(told["catch_time"], "catch_time"),
             "catch_body": told["catch_body"] if type(told["catch_body"]) is str else None,
             "held_until": _maybe((told["held_until"],)),
+            "placed": _maybe((told["placed"],)),
             "on_the_way": tuple(
-                Catch(str(name), _number(time, "on_the_way"), _maybe(rest))
+                Catch(str(name), _number(time, "on_the_way"), _maybe(rest), _maybe(rest[1:]))
                 for name, time, *rest in told["on_the_way"]
             ),
             "trajectory": moves,

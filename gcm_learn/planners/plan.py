@@ -67,6 +67,8 @@ class Catch(NamedTuple):
     """[s]"""
     held_until: float | None = None
     """End of its hold, where there is one [s]."""
+    placed: float | None = None
+    """When it is placed, where it has a place [s]."""
 
 
 @dataclass(frozen=True)
@@ -99,6 +101,8 @@ class Plan:
     """Targets that are caught before `catch_body`, in order."""
     held_until: float | None = None
     """End of the last hold, where there is one [s]."""
+    placed: float | None = None
+    """When the last target is placed, where it has a place [s]."""
     nodes: int = 0
     """Labels that a search over cells has expanded, or nodes that were added to trees."""
     format: str = ""
@@ -116,10 +120,10 @@ class Plan:
 
     @property
     def catches(self) -> list[dict[str, Any]]:
-        """Targets that are caught, in order of time: `body`, `time` [s], `held_until` [s]."""
+        """Targets that are caught, in order of time: `body`, `time`, `held_until`, `placed` [s]."""
         if self.catch_body is None:
             return []
-        last = Catch(self.catch_body, self.catch_time or 0.0, self.held_until)
+        last = Catch(self.catch_body, self.catch_time or 0.0, self.held_until, self.placed)
         told = [one._asdict() for one in (*self.on_the_way, last)]
         return [{k: v for k, v in one.items() if v is not None} for one in told]
 

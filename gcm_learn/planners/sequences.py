@@ -89,11 +89,11 @@ def joined(situation: AnySituation, legs: Sequence[Plan], spent: float) -> Plan:
     catches.sort(key=lambda catch: (catch.time, bodies.index(catch.body)))
     last = catches[-1]
     if situation.end == "free":
-        moves = moves.until(last.time if last.held_until is None else last.held_until)
+        moves = moves.until(max(t for t in last[1:] if t is not None))
     plan = Plan(
         situation.name, legs[0].planner, "caught", "", spent, last.time, last.body, None, moves,
         nodes=sum(leg.nodes for leg in legs), on_the_way=tuple(catches[:-1]),
-        held_until=last.held_until, format=form,
+        held_until=last.held_until, placed=last.placed, format=form,
     )  # fmt: skip
     fault, clearance = judged_anew(situation, plan)
     if fault is not None:
@@ -105,11 +105,11 @@ def joined(situation: AnySituation, legs: Sequence[Plan], spent: float) -> Plan:
 
 def _later(leg: Plan, since: float, moves: Movement) -> Catch:
     """Return the catch of a leg that begins at a time, at samples of the whole movement [s]."""
-    times = [None if t is None else since + t for t in (leg.catch_time, leg.held_until)]
+    times = [None if t is None else since + t for t in (leg.catch_time, leg.held_until, leg.placed)]
     found = [
         None if t is None else float(moves.time[np.abs(moves.time - t).argmin()]) for t in times
     ]
-    return Catch(str(leg.catch_body), found[0] or 0.0, found[1])
+    return Catch(str(leg.catch_body), found[0] or 0.0, *found[1:])
 
 
 def _movement(situation: AnySituation, legs: list[Plan]) -> tuple[Movement, list[float]]:

@@ -297,9 +297,14 @@ def later(
 
 def bodies_later(bodies: Iterable[Body], t: float) -> tuple[Body, ...]:
     """Return bodies `t` seconds later, as they go on then."""
-    return tuple(
-        replace(body, motion=LAWS[type(body.motion)].later(body.motion, t)) for body in bodies
-    )
+    return tuple(_later(body, t) for body in bodies)
+
+
+def _later(body: Body, t: float) -> Body:
+    motion, margin = LAWS[type(body.motion)].later(body.motion, t), body.margin
+    if margin is not None:
+        margin = replace(margin, now=margin.now + margin.rate * t)
+    return replace(body, motion=motion, margin=margin)
 
 
 def _stands(

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
 
 from gcm_learn import solve
+from gcm_learn.arms import hands_along
 from gcm_learn.motion.movement import Movement
 from gcm_learn.motion.smoothing import half_width, smoothed, start_before
 from gcm_learn.planners import get_planner, plan_to_json
@@ -95,6 +97,37 @@ def test_margins_are_kept_and_clearances_are_without_them():
     given = next(given for given in rows if given["name"] == plan.name)
     assert "touched" in str(broken_promise(with_margin(given, 1.01 * plan.clearance), plan))
     assert "with its margin" in solve(with_margin(given, 9.0), "search").message
+
+
+def placed(k, **more):
+    """Situation k whose target is to be carried to where the hand was at first."""
+    given = asked("panda", k, **more)
+    arm = situation_from_json(given).arm
+    (hand,), _ = hands_along(arm, [arm.joints])
+    for body in given["bodies"]:
+        if body["role"] == "target":
+            body["place"] = {"position": hand.tolist(), "within": 0.15}
+    return given
+
+
+@pytest.mark.parametrize("jerk", [None, 60.0])
+def test_what_is_caught_is_carried_to_its_place(jerk):
+    for plan in answers([placed(k, jerk=jerk) for k in range(12)], 3):
+        assert plan.held_until < plan.placed == plan.trajectory.duration
+
+
+def test_a_carry_is_judged_like_a_hold():
+    given = next(g for g in map(placed, range(12)) if solved(g).caught)
+    situation, plan = situation_from_json(given), solved(given)
+    assert broken_promise(situation, plan) is None
+    says = partial(broken_promise, situation)
+    middle = plan.trajectory.time[np.searchsorted(plan.trajectory.time, plan.held_until) + 1]
+    assert "while the arm moves" in says(replace(plan, placed=float(middle)))
+    assert "no sample" in says(replace(plan, placed=plan.placed - 1e-4))
+    assert "placed is given exactly" in says(replace(plan, placed=None))
+    target = next(body for body in given["bodies"] if body["role"] == "target")
+    target["place"]["within"] = 1e-6
+    assert "to its place" in broken_promise(situation_from_json(given), plan)
 
 
 def with_margin(given, now):

@@ -7,7 +7,7 @@ import numpy as np
 from gcm_learn.motion import Failure, Movement, half_width, smoothed, start_before
 from gcm_learn.planners.completion import Attempt, JointProblem, checked
 from gcm_learn.planners.joints.endings import new_endings
-from gcm_learn.planners.joints.meeting_trees import hastened, search_trees
+from gcm_learn.planners.joints.meeting_trees import hastened, plant_stop, search_trees
 from gcm_learn.planners.joints.ramped_ways import ramped_samples, shorten_ramped
 from gcm_learn.planners.joints.ramps import GIVEN
 from gcm_learn.planners.joints.tree_moves import FROM_START
@@ -45,6 +45,7 @@ class EndSearch:
     def _new_trees(self, seed: int) -> Trees:
         trees = new_trees(self.study, ROOM, seed, True)
         trees.time[FROM_START, 0] = self.half
+        plant_stop(self.study, trees)
         return trees
 
     def plan(self, end: float, rounds: int) -> Plan:

@@ -86,7 +86,7 @@ def new_endings(study: Study, situation: Situation[Any], count: int, half: float
         np.zeros((count, k)), np.zeros((count, k, n)), np.zeros((count, k, n)),
         np.zeros(count, np.int64), np.zeros(count, np.int64), np.zeros((count, 2)),
         np.zeros(count, np.int64), np.zeros(1, np.int64), np.zeros(8, np.int64), half,
-        situation.end == "rest",
+        situation.end == "rest" or any(target.place for target in situation.targets),
         np.zeros((3, n)), np.zeros((3, n)), np.zeros(6), np.zeros(n), np.zeros(n), np.zeros(n),
         np.zeros((6, 8)), np.zeros(6), holding.work_of(scene), _aim_of(study),
     )  # fmt: skip

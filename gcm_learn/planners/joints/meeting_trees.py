@@ -245,6 +245,23 @@ def search_trees(ends, study, trees, rounds, horizon, way):
 
 
 @njit
+def plant_stop(study, trees):
+    """Add the posture in which a limb that moves at first can come to rest to the first tree."""
+    q, rates, limits = trees.drawn, trees.drawn_rates, study.scene.limits
+    v, since = trees.rates[FROM_START, 0], trees.time[FROM_START, 0]
+    least = 0.0
+    for j in range(q.size):
+        least = max(least, abs(v[j]) / limits.joint_acceleration[j])
+    for stretch in (1.02, 1.5, 2.5, 4.0):
+        span = stretch * least
+        for j in range(q.size):
+            q[j], rates[j] = trees.joints[FROM_START, 0, j] + 0.5 * span * v[j], 0.0
+        if span > 0.0 and join(study, trees, FROM_START, 0, q, rates, since + span, GIVEN):
+            add_node(trees, FROM_START, q, rates, trees.ends[1], GIVEN, 0, 0)
+            return
+
+
+@njit
 def hastened(ends, study, trees, tries, way):
     """Try earlier ends near that of a way; the way becomes the earliest that the trees reach.
 

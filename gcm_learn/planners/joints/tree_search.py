@@ -13,6 +13,7 @@ import numpy as np
 from gcm_learn.collision import WORK
 from gcm_learn.motion import Failure, Movement
 from gcm_learn.planners.completion import Attempt, JointProblem, checked
+from gcm_learn.planners.joints.carry import carried, has_place
 from gcm_learn.planners.joints.end_search import EndSearch
 from gcm_learn.planners.joints.meeting_trees import search_trees
 from gcm_learn.planners.joints.ramped_ways import (
@@ -29,6 +30,7 @@ from gcm_learn.planners.joints.tree_moves import LINES
 from gcm_learn.planners.joints.trees import Trees, new_trees, roomier
 from gcm_learn.planners.joints.ways import JointWay, hasten, new_way, samples_of, shorten
 from gcm_learn.planners.plan import Deadline, Plan, deadline_of, end_of, in_joints
+from gcm_learn.planners.stages import crossing
 from gcm_learn.scene import TOP_SPEED
 from gcm_learn.situation import AnySituation
 
@@ -123,13 +125,20 @@ class TreeSearch:
         if problem.deadline is None:
             problem.budget[0] = WORK
         seed, left = self.seed, self.rounds
-        plan = EndSearch(problem, seed).plan(end, min(left, AFRESH))
-        while not plan.caught and not problem.over and problem.budget[0] >= 0:
+        while True:
+            plan = EndSearch(problem, seed).plan(end, min(left, AFRESH))
+            if plan.caught and has_place(problem.situation, plan):
+                long = crossing(problem.situation.arm)
+                plan = carried(problem, plan, long, self._with_rounds)
             seed, left = seed + 1, left - AFRESH
-            if left <= 0 and problem.deadline is None:
+            if left <= 0 and problem.deadline is not None:
+                left = AFRESH
+            if plan.caught or problem.over or problem.budget[0] < 0 or left <= 0:
                 break
-            plan = EndSearch(problem, seed).plan(end, AFRESH)
         return replace(plan, planning_ms=problem.elapsed_ms, nodes=problem.nodes)
+
+    def _with_rounds(self, rounds: int, situation: AnySituation) -> Plan:
+        return replace(self, rounds=rounds).plan(situation)
 
     def _sooner(self, problem: JointProblem, plan: Plan) -> Plan:
         """Look for earlier catches than a plan's, until the deadline or in patience."""

@@ -1,0 +1,173 @@
+"""Carrying: from the end of its hold to its place, a target is one more link of the arm."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from gcm_learn.arms import IDENTITY, Chain, Hand, Link, hands_along
+from gcm_learn.motion.failures import Failure
+from gcm_learn.motion.movement import SAME, Movement
+from gcm_learn.motion.rules import rules_of
+from gcm_learn.motion.verification import judge_joints
+from gcm_learn.scene import bodies_later, pack, pack_bodies, pose_at
+from gcm_learn.situation import Body, Situation, SolidQuadratic, Sphere
+
+LINK = "(carried)"
+"""Name of the link that a carried target is."""
+PLACE = "(place)"
+"""Name of the target that stands for a place."""
+DEPTH = 0.5
+"""Share of the distance to a place that a plan may use."""
+SLACK = 5e-7
+"""Distance from a place that is granted; the contract grants twice as much."""
+
+
+def capsule_of(shape: Any) -> tuple[np.ndarray, float]:
+    """Return half the axis (3,), in the body's frame, and the radius of a carried shape."""
+    if shape.kind != "box":
+        return np.array([0.0, 0.0, getattr(shape, "half_length", 0.0)]), shape.radius
+    half = np.array(shape.half_extents)
+    axis = np.eye(3)[half.argmax()] * half.max()
+    return axis, float(np.linalg.norm(half - axis))
+
+
+def _hand_frame(arm: Chain, joints: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return rotation (3, 3) and origin (3,) of the frame of the hand's joint, in the base."""
+    axes, bare = [], replace(arm, base=IDENTITY)
+    for axis in np.eye(3):
+        hand = Hand(arm.model.hand.joint, (0.0, 0.0, 0.0), tuple(axis))
+        origin, along = hands_along(
+            replace(bare, model=replace(arm.model, hand=hand)), joints[None]
+        )
+        axes.append(along[0])
+    return np.array(axes).T, origin[0]
+
+
+def carrier(situation: Situation[Chain], index: int, joints: np.ndarray, held: float) -> Chain:
+    """Return an arm with a target in its hand, which is then the target's origin.
+
+    Parameters
+    ----------
+    situation : Situation
+    index : int
+        Position of the target in ``situation.bodies``.
+    joints : (n,) ndarray
+        Posture at the end of the hold.
+    held : float
+        When that is [s].
+    """
+    arm, target = situation.arm, situation.bodies[index]
+    poses = np.zeros((len(situation.bodies), 12))
+    poses[index, 3:] = np.eye(3).ravel()  # spheres leave it so
+    pose_at(pack_bodies(situation, max(situation.horizon, held)), index, held, poses)
+    turn, origin = _hand_frame(arm, joints)
+    centre = turn.T @ (poses[index, :3] - origin)
+    half, radius = capsule_of(target.shape)
+    half = turn.T @ (poses[index, 3:].reshape(3, 3) @ half)
+    joint = arm.model.hand.joint
+    link = Link(joint, tuple(centre - half), tuple(centre + half), radius, LINK)
+    hand = Hand(joint, tuple(centre), arm.model.hand.axis)
+    model = replace(arm.model, links=(*arm.model.links, link), hand=hand)
+    return replace(arm, model=model)
+
+
+class Carry(NamedTuple):
+    """A target between the end of its hold and its place."""
+
+    situation: Situation[Chain]
+    number: int
+    """Position of the target in ``situation.bodies``."""
+    moves: Movement
+    """Movement that holds the target, and may go on."""
+    held: float
+    """End of the hold [s]."""
+
+    @property
+    def target(self) -> Body:
+        """The target."""
+        return self.situation.bodies[self.number]
+
+    def at(self, since: float, horizon: float, ignores: bool) -> Situation[Chain]:
+        """Return the situation of a part of the carry, whose target is the place.
+
+        Parameters
+        ----------
+        since : float
+            Begin of the part [s].
+        horizon : float
+            Time in which the target has to be placed [s].
+        ignores : bool
+            Whether supports are ignored.
+        """
+        situation, target = self.situation, self.target
+        assert target.place is not None
+        arm = carrier(situation, self.number, self.moves.joints_at(self.held), self.held)
+        arm = _standing(arm, self.moves, since)
+        supports = tuple((LINK, name) for name in target.ignore if ignores)
+        size, still = DEPTH * target.place.within, (0.0, 0.0, 0.0)
+        law = SolidQuadratic(target.place.position, still, still)
+        return replace(
+            situation,
+            arm=replace(arm, grasp=0.5 * size, ignore=(*arm.ignore, *supports)),
+            bodies=(
+                Body("target", PLACE, Sphere(0.5 * size), law),
+                *bodies_later(situation.obstacles, since),
+            ),
+            horizon=horizon,
+            catch="any",
+            end="rest",
+            end_by=None if situation.end_by is None else situation.end_by - since,
+        )
+
+    def fault(self, placed: float) -> tuple[Failure | None, float, float]:
+        """Return what is wrong with the movement until a time, its clearance, and when [s]."""
+        least = np.inf
+        for since, until, ignores in self._parts(placed):
+            part = self.at(since, until - since, ignores)
+            scene, moves = pack(part, until - since), _between(self.moves, since, until, part.arm)
+            rules = rules_of(scene)._replace(touch=scene.limb.thickness)
+            failure, distance, when = judge_joints(scene, rules, moves, -1)
+            if failure is not None:
+                return failure, 0.0, since + when
+            least = min(least, distance)
+        end = hands_along(part.arm, moves.joints[-1:])[0][0]
+        off = float(np.linalg.norm(end - np.array(self.target.place.position)))  # type: ignore[union-attr]
+        far = off > self.target.place.within + SLACK  # type: ignore[union-attr]
+        return Failure.MISPLACED if far else None, least, placed
+
+    def _parts(self, placed: float) -> Iterator[tuple[float, float, bool]]:
+        """Yield parts of the carry: begin, end [s], and whether supports are ignored."""
+        brief, held = self.target.ignore_for, self.held
+        if not self.target.ignore or brief is None or held + brief >= placed - brief:
+            yield held, placed, bool(self.target.ignore)
+            return
+        yield held, held + brief, True
+        yield held + brief, placed - brief, False
+        yield placed - brief, placed, True
+
+
+def _standing(arm: Chain, moves: Movement, t: float) -> Chain:
+    """Return an arm as a movement has it at t [s]."""
+    joints, rates, forces = (rows[0] for rows in moves.states_at(np.array([t])))
+    speed, most = np.array(arm.max_joint_speed), np.array(arm.max_joint_acceleration)
+    joints = np.clip(joints, *np.array(arm.joint_range).T)
+    begun = None if arm.max_joint_jerk is None else tuple(np.clip(forces, -most, most).tolist())
+    return replace(
+        arm,
+        joints=tuple(joints.tolist()),
+        joint_rates=tuple(np.clip(rates, -speed, speed).tolist()),
+        joint_accelerations=begun,
+    )
+
+
+def _between(moves: Movement, since: float, until: float, arm: Chain) -> Movement:
+    """Return a part of a movement, from t = 0 on."""
+    inside = moves.time[(moves.time > since + SAME) & (moves.time < until - SAME)]
+    time = np.concatenate([[since], inside, [until]])
+    joints, rates, _ = moves.states_at(time)
+    joints[0], rates[0] = arm.joints, arm.joint_rates
+    return Movement(arm, time - since, joints, rates)
