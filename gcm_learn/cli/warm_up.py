@@ -108,6 +108,7 @@ def answered(task: Task) -> bool:
     from gcm_learn.errors import ArmKindError
     from gcm_learn.families import draw
     from gcm_learn.planners import solve
+    from gcm_learn.situation import with_end
 
     name, example = task
     if not name:
@@ -120,4 +121,6 @@ def answered(task: Task) -> bool:
         solve(situation, name)
     except ArmKindError:
         return False
+    if name == "search" and getattr(situation.arm, "max_joint_acceleration", None) is not None:
+        solve(with_end(situation, "rest"), name)
     return True

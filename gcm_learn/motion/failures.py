@@ -43,7 +43,7 @@ class Failure(Enum):
     NOT_AT_REST = "the arm does not rest at the end"
     ENDS_LATE = "the movement ends at {when:.3f} s, after end_by"
     ACCELERATION_UNTAKEN = "accelerations are limited, which this planner cannot keep"
-    END_UNTAKEN = "a hold, a rest or limits of jerk are asked for, which this planner cannot keep"
+    END_UNTAKEN = "this planner ends with a touch, and keeps no hold, rest or limits of jerk"
     SEVERAL_UNTAKEN = "all of {count} targets have to be caught, and this planner catches one"
     ASTRAY = "joints that are linear between samples lead the hand astray"
     MISSED = "the hand misses the target"

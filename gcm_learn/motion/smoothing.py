@@ -1,8 +1,8 @@
 """Limits of jerk: a moving average over a movement whose accelerations are constant in pieces.
 
 Averaged over a span of 2 h, a movement with accelerations up to a has third derivatives up to a / h
-and second derivatives that are continuous. Rates, accelerations and ranges are kept; the movement
-changes by at most a h^2 / 6, and not at all where rates are constant (Biagiotti and Melchiorri,
+and second derivatives that are continuous. Rates, accelerations and ranges are kept. The movement
+changes by at most a h^2 / 6, and not at all where rates are constant. (Biagiotti and Melchiorri,
 "FIR filters for online trajectory planning with time- and frequency-domain specifications", 2012).
 """
 

@@ -141,7 +141,7 @@ _NO_RATES = np.empty((0, 4))
 
 
 class Ask(NamedTuple):
-    """Catches after which a movement goes on, and what is asked of the movement."""
+    """Catches of a movement that goes on after them, and the rules for its end."""
 
     catches: tuple[tuple[int, float, float], ...]
     """Targets, when each is caught and when its hold ends [s]."""

@@ -63,7 +63,7 @@ def carried(
 
 
 def _joined(problem: JointProblem, plan: Plan, carry: Carry, way: Plan) -> Plan | None:
-    """Return the plan of a hold and a carry; None if it does not hold."""
+    """Return the verified plan of a hold and a carry, if it passes."""
     held, moves, after = carry.held, carry.moves.until(carry.held), way.trajectory
     assert after is not None and moves.rates is not None and after.rates is not None
     whole = Movement(

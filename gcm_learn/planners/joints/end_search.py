@@ -49,7 +49,7 @@ class EndSearch:
         return trees
 
     def plan(self, end: float, rounds: int) -> Plan:
-        """Return a plan with a catch until `end` [s], or why there is none."""
+        """Return a plan with a catch until `end` [s], or the reason for its absence."""
         problem, way, left = self.problem, new_way(self.study.goal.size), rounds
         plan = None
         while left > 0 and plan is None and not problem.over and problem.budget[0] >= 0:
@@ -66,7 +66,7 @@ class EndSearch:
         return problem.answer(Failure.OUT_OF_TIME if problem.over else Failure.NO_TREE)
 
     def _finished(self, way: JointWay) -> Plan | None:
-        """Return the plan of a way and its end; None if it does not hold."""
+        """Return the verified plan of a way and its end, if it passes."""
         moves = self._joined(way)
         e = int(way.body[0])
         catch = self.ends.span[e]

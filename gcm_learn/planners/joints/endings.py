@@ -77,7 +77,7 @@ def _aim_of(study: Study) -> Study:
 
 
 def new_endings(study: Study, situation: Situation[Any], count: int, half: float) -> Endings:
-    """Return room for a number of ends of movements."""
+    """Return arrays for a number of ends of movements."""
     scene, n = study.scene, study.goal.size
     longest = max((t.hold.seconds for t in situation.targets if t.hold is not None), default=0.0)
     steps = min(int(np.ceil((longest + 2.0 * half) / STEP)) + 1, MOST_STEPS)
@@ -152,7 +152,7 @@ def _to_frame(ends, b, place):
 
 @njit(_nrt=False)
 def _from_frame(ends, b, since):
-    """Where the hand should be (3), `since` the begin of the hold [s]."""
+    """Place (3) where the hand should be, `since` the begin of the hold [s]."""
     poses, at = ends.work.poses, ends.place
     return (
         poses[b, 0] + poses[b, 3] * at[0] + poses[b, 4] * at[1] + poses[b, 5] * at[2]

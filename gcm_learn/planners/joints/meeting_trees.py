@@ -20,6 +20,7 @@ from gcm_learn.planners.joints.ramps import END_FREE, GIVEN, START_FREE
 from gcm_learn.planners.joints.tree_moves import (
     FROM_CATCH,
     FROM_START,
+    bias_by,
     box_by,
     halve_by,
     keep_by,
@@ -34,8 +35,7 @@ from gcm_learn.planners.joints.ways import MOST, write, write_rates
 
 TRIES = 3  # nearest nodes of the other tree to which a new node is connected
 SOONER, ABOUT = 0.4, 0.1  # how much earlier, and how far away, earlier ends are tried [share]
-BIAS = 0.3  # share of states that are drawn from the other tree
-NEARER = 2  # moves to a drawn state that are tried, each half as long as the one before
+NEARER = 3  # moves to a drawn state that are tried, each half as long as the one before
 NEARER_GOAL = 4  # likewise from one to a posture that catches, which is often in a narrow place
 HASTY = 0.25  # share of moves that are as fast as they may be
 ROUND = 20  # price of a round, in distances along moves
@@ -53,7 +53,8 @@ def ends_free(trees, tree, k):
 def _draw_state(study, trees, horizon):
     """Draw a posture that the start can reach, into ``trees.drawn``, and a time for it [s]."""
     limb, q = study.scene.limb, trees.drawn
-    if trees.size[FROM_CATCH] > 0 and uniform(trees) < BIAS:
+    bias = bias_by(trees.moves)
+    if bias > 0.0 and trees.size[FROM_CATCH] > 0 and uniform(trees) < bias:
         k = int(uniform(trees) * trees.size[FROM_CATCH])
         for j in range(q.size):
             q[j] = trees.joints[FROM_CATCH, k, j]
@@ -145,7 +146,9 @@ def _grown_backward(study, trees):
     """
     limits, limb = study.scene.limits, study.scene.limb
     tree, q, rates = FROM_CATCH, trees.drawn, trees.drawn_rates
-    m = int(uniform(trees) * trees.size[FROM_START]) if uniform(trees) < BIAS else -1
+    bias, m = bias_by(trees.moves), -1
+    if bias > 0.0 and uniform(trees) < bias:
+        m = int(uniform(trees) * trees.size[FROM_START])
     for j in range(q.size):
         if m < 0:
             q[j] = limb.low[j] + uniform(trees) * (limb.high[j] - limb.low[j])
