@@ -66,6 +66,7 @@ def ranged(
 COUNT, WHOLE = (ranged(int, "N", low, above=False) for low in (1, 0))
 TIME = ranged(seconds, "TIME", 0, above=True)
 FROM_NOTHING = ranged(seconds, "TIME", 0, above=False)
+RATE = ranged(float, "HZ", 125, 1000, above=False)
 
 Count = Annotated[int, COUNT]
 Number = Annotated[int, WHOLE]

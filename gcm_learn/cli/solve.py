@@ -15,7 +15,7 @@ from tyro.conf import Positional, arg
 
 from gcm_learn.cli import files
 from gcm_learn.cli.failures import CommandFailure, one_line, place_of
-from gcm_learn.cli.options import FROM_NOTHING, WHOLE, Output, given
+from gcm_learn.cli.options import FROM_NOTHING, RATE, WHOLE, Output, given
 from gcm_learn.cli.progress import Progress
 from gcm_learn.errors import GcmError, SituationError
 
@@ -28,6 +28,8 @@ if TYPE_CHECKING:
 
 Form = Literal["ros2", "csv"]
 SUFFIXES: dict[Form, str] = {"ros2": ".yaml", "csv": ".csv"}
+TO_REST = 2.0
+"""Processor time for a plan that ends at rest, if a planner takes a deadline and has none [s]."""
 
 
 @dataclass(frozen=True)
@@ -70,13 +72,17 @@ class Solve:
     on which it is turned (plotly, extra `plots`)"""
 
     trajectories: Annotated[Path | None, given("DIR", "no files")] = None
-    """folder for one file per catch, with a verified stop after the catch"""
+    """folder for one file per catch, each of a movement that ends at rest: under limits of
+    acceleration planned so, else with a verified stop after the catch"""
 
     form: Annotated[Literal["ros2", "csv"], arg(name="as")] = "ros2"
     """of --trajectories: ROS 2 trajectory_msgs/JointTrajectory in YAML, or CSV"""
 
+    rate: Annotated[float | None, RATE, given("HZ", "the samples of the plan")] = None
+    """of --trajectories: even samples a second, 125 to 1000, and the last instant"""
+
     stop: bool = True
-    """of --trajectories: end at rest; --no-stop writes movements that end in motion, too"""
+    """of --trajectories: end at rest; --no-stop writes the movements of the answers"""
 
     def run(self) -> int:
         """Solve the file; see `gcm_learn.cli.main` for the exit codes."""
@@ -93,11 +99,18 @@ class Solve:
                 draws.append(_film(self.film, situations, stack))
             written = None
             if self.trajectories is not None:
-                written = Trajectories(self.trajectories, self.form, stop=self.stop)
+                again = self._again(planner) if self.stop else None
+                written = Trajectories(self.trajectories, self.form, self.rate, again)
                 draws.append(written.write)
             stream = stack.enter_context(files.output(self.out))
             _solve_all(self, situations, planner, stream, draws)
         return 1 if written is not None and written.refused else 0
+
+    def _again(self, planner: Planner) -> Callable[[AnySituation], Plan]:
+        """Return a function that plans a movement for a robot, with some more time."""
+        longest = TO_REST if getattr(planner, "anytime", False) else None
+        deadline = longest if self.deadline is None else self.deadline
+        return partial(plan_one, planner, file=self.file, deadline=deadline)
 
     def _planner(self) -> Planner:
         """Return the planner, with the given memory."""
@@ -241,35 +254,61 @@ class Trajectories:
     folder : Path
         Made when it is missing.
     form : {"ros2", "csv"}
-    stop : bool
-        If true, movements end at rest; one without a verified stop is not written.
+    rate : float or None
+        Even samples a second [Hz]; None for those of the movement.
+    again : callable or None
+        Plans a situation that asks for another end, so that movements end at rest; one that cannot
+        is not written. None writes movements as they are.
     """
 
-    def __init__(self, folder: Path, form: Form, *, stop: bool) -> None:
+    def __init__(
+        self,
+        folder: Path,
+        form: Form,
+        rate: float | None,
+        again: Callable[[AnySituation], Plan] | None,
+    ) -> None:
         self._folder = files.made_folder(folder, option="--trajectories")
-        self._form, self._stop, self._names = form, stop, files.FileNames()
+        self._form, self._rate, self._again = form, rate, again
+        self._names = files.FileNames()
         self.refused = 0
         """Number of catches without a file."""
 
     def write(self, situation: AnySituation, plan: Plan) -> None:
         """Write the trajectory of a catch, or say in one line why not."""
         from gcm_learn.errors import StopError
-        from gcm_learn.motion import with_stop
 
         if plan.trajectory is None:
             return
         name = self._names.unused(situation.name)
         try:
-            moves = with_stop(situation, plan.trajectory) if self._stop else plan.trajectory
+            moves = self._moves(situation, plan)
         except StopError as error:
             self.refused += 1
             print(one_line(f"gcm-learn: {error}; see --no-stop"), file=sys.stderr)
             return
         with files.output(self._folder / f"{name}{SUFFIXES[self._form]}") as stream:
-            stream.write(_text(self._form, moves))
+            stream.write(_text(self._form, moves, self._rate))
+
+    def _moves(self, situation: AnySituation, plan: Plan) -> Movement:
+        """Return the movement of a plan, of another that ends at rest, or with a stop."""
+        from gcm_learn.motion import ends_at_rest, with_stop
+        from gcm_learn.situation import with_end
+
+        moves = plan.trajectory
+        assert moves is not None
+        if self._again is None or (moves.rates is not None and ends_at_rest(moves)):
+            return moves
+        with contextlib.suppress(SituationError):  # without limits of acceleration none ends so
+            other = self._again(with_end(situation, "rest"))
+            if other.trajectory is not None and len(other.catches) >= len(plan.catches):
+                return other.trajectory
+        return with_stop(situation, moves)
 
 
-def _text(form: Form, moves: Movement) -> str:
+def _text(form: Form, moves: Movement, rate: float | None) -> str:
     from gcm_learn.motion import to_csv, to_joint_trajectory, to_yaml
 
-    return to_csv(moves) if form == "csv" else to_yaml(to_joint_trajectory(moves))
+    if form == "csv":
+        return to_csv(moves, rate=rate)
+    return to_yaml(to_joint_trajectory(moves, rate=rate))

@@ -10,6 +10,7 @@ from gcm_learn.motion.interception import (
 )
 from gcm_learn.motion.joint_interception import fastest_hand as fastest_hand
 from gcm_learn.motion.joint_trajectory import (
+    ends_at_rest as ends_at_rest,
     joint_names as joint_names,
     to_csv as to_csv,
     to_joint_trajectory as to_joint_trajectory,

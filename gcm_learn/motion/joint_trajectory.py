@@ -12,9 +12,16 @@ import numpy as np
 
 from gcm_learn.arms import CHAIN, PLANAR, ByKind
 from gcm_learn.errors import FieldError
-from gcm_learn.motion.movement import Movement
+from gcm_learn.motion.movement import REST, Movement
 
 NANO = 1_000_000_000
+NEAREST = 0.01
+"""Share of their distance by which even samples are at least before the last instant."""
+JUMP = 1e-3
+"""Share of the limits of acceleration that is no jump."""
+ADVICE = """\
+# A stamp of 0 means: start when received. To meet what moves, write the time of the plan's t = 0.
+"""
 _NAMES = ByKind(
     {
         PLANAR: lambda arm: ["shoulder", "elbow"],
@@ -37,66 +44,76 @@ def joint_names(arm: Any) -> list[str]:
     return names
 
 
-def to_csv(movement: Movement, names: Sequence[str] | None = None) -> str:
+def to_csv(
+    movement: Movement, names: Sequence[str] | None = None, *, rate: float | None = None
+) -> str:
     """Return a movement as CSV: a row a sample, the first row names the columns.
 
-    Columns are `time` [s], the joints [rad or lengths], their `_velocity` where the movement has
-    rates, and `hand_x`, `hand_y` and `hand_z`.
+    Columns are `time` [s], the joints [rad or lengths], their `_velocity` and `_acceleration` where
+    the movement has rates, and `hand_x`, `hand_y` and `hand_z`.
 
     Parameters
     ----------
     movement : Movement
     names : sequence of str, optional
         Names of the joints.
+    rate : float, optional
+        Even samples a second [Hz]; by default the rows are the movement's own samples.
     """
     joints = _names_for(movement, names)
     hand = [f"hand_{axis}" for axis in "xyz"[: movement.hand.shape[1]]]
-    parts = [movement.time[:, None], movement.joints]
-    headings = ["time", *joints]
-    if movement.rates is not None:
-        parts.append(movement.rates)
-        headings += [f"{name}_velocity" for name in joints]
+    made, forces = _sampled(movement, _times(movement, rate))
+    parts, headings = [made.time[:, None], made.joints], ["time", *joints]
+    for values, word in ((made.rates, "velocity"), (forces, "acceleration")):
+        if values is not None:
+            parts.append(values)
+            headings += [f"{name}_{word}" for name in joints]
     out = io.StringIO()
     table = csv.writer(out, lineterminator="\n")
     table.writerow([*headings, *hand])
-    table.writerows(np.hstack([*parts, movement.hand]).tolist())
+    table.writerows(np.hstack([*parts, made.hand]).tolist())
     return out.getvalue()
 
 
-def to_joint_trajectory(movement: Movement, names: Sequence[str] | None = None) -> dict[str, Any]:
+def to_joint_trajectory(
+    movement: Movement, names: Sequence[str] | None = None, *, rate: float | None = None
+) -> dict[str, Any]:
     """Return a movement as the fields of a ROS 2 ``trajectory_msgs/JointTrajectory``.
 
-    Points with velocities are cubic curves, points without are straight lines in the joints; a
-    ``JointTrajectoryController`` interpolates them so, too.
+    A ``JointTrajectoryController`` draws straight lines through positions, cubic curves where there
+    are velocities, quintic ones where there are accelerations, too. So accelerations that jump are
+    left out of a movement's own samples; the cubic curves are the verified ones.
 
     Parameters
     ----------
     movement : Movement
     names : sequence of str, optional
         Names of the joints, as the controller knows them.
+    rate : float, optional
+        Even samples a second [Hz]; by default the points are the movement's own samples.
 
     Returns
     -------
     dict
         `header`, `joint_names` and `points`; times are increasing whole nanoseconds.
     """
-    points: list[dict[str, Any]] = []
-    previous = -1
-    for k, time in enumerate(movement.time.tolist()):
-        nanoseconds = round(time * NANO)
-        if nanoseconds == previous:  # a planar path may name an instant twice
-            points.pop()
-        previous = nanoseconds
-        rates = [] if movement.rates is None else movement.rates[k].tolist()
-        points.append(
-            {
-                "positions": movement.joints[k].tolist(),
-                "velocities": rates,
-                "accelerations": [],
-                "effort": [],
-                "time_from_start": {"sec": nanoseconds // NANO, "nanosec": nanoseconds % NANO},
-            }
-        )
+    exact = _times(movement, rate)
+    nanoseconds = np.rint(exact * NANO).astype(np.int64)
+    kept = np.append(np.diff(nanoseconds) > 0, True)  # a planar path may name an instant twice
+    made, forces = _sampled(movement, exact, nanoseconds / NANO)
+    if rate is None and _jumps(movement):
+        forces = None
+    points = [
+        {
+            "positions": made.joints[k].tolist(),
+            "velocities": [] if made.rates is None else made.rates[k].tolist(),
+            "accelerations": [] if forces is None else forces[k].tolist(),
+            "effort": [],
+            "time_from_start": dict(zip(("sec", "nanosec"), divmod(time, NANO), strict=True)),
+        }
+        for k, time in enumerate(nanoseconds.tolist())
+        if kept[k]
+    ]
     return {
         "header": {"stamp": {"sec": 0, "nanosec": 0}, "frame_id": ""},
         "joint_names": _names_for(movement, names),
@@ -104,14 +121,76 @@ def to_joint_trajectory(movement: Movement, names: Sequence[str] | None = None) 
     }
 
 
+def _times(moves: Movement, rate: float | None) -> np.ndarray:
+    """Return the times (n,) of a movement's samples, or even ones with the last instant [s]."""
+    if rate is None:
+        return moves.time
+    even = np.arange(int(moves.duration * rate) + 1) / rate
+    return np.append(even[even < moves.duration - NEAREST / rate], moves.duration)
+
+
+def _sampled(
+    moves: Movement, exact: np.ndarray, written: np.ndarray | None = None
+) -> tuple[Movement, np.ndarray | None]:
+    """Return a movement with samples at other times, and its accelerations (n, dof) there.
+
+    Accelerations are those of the piece that begins at a sample. The last ones are those of the
+    last piece. A movement without rates has None. Rates at the end are 0 if the arm rests.
+
+    Parameters
+    ----------
+    moves : Movement
+    exact : (n,) ndarray
+        Times [s].
+    written : (n,) ndarray, optional
+        The same, rounded: joints and rates are theirs [s].
+    """
+    if moves.rates is None:
+        if exact is moves.time:
+            return moves, None
+        if moves.path is not None:
+            return Movement.of_hand(moves.arm, exact, moves.hand_at(exact)), None
+        return Movement(moves.arm, exact, moves.joints_at(exact)), None
+    if moves.time.size == 1:
+        return moves, np.zeros_like(moves.joints)
+    time = exact if written is None else written
+    curve = _curve(moves)
+    joints, rates = curve(time), curve(time, 1)
+    joints[-1], rates[-1] = moves.joints[-1], 0.0 if ends_at_rest(moves) else moves.rates[-1]
+    return Movement(moves.arm, exact, joints, rates), curve(exact, 2)
+
+
+def ends_at_rest(moves: Movement) -> bool:
+    """Return whether a movement with rates rests at its end, to 1e-6 of the limits of speed."""
+    assert moves.rates is not None
+    return bool((np.abs(moves.rates[-1]) <= REST * np.array(moves.arm.max_joint_speed)).all())
+
+
+def _jumps(moves: Movement) -> bool:
+    """Return whether the accelerations of a movement jump at a sample."""
+    if moves.rates is None or moves.time.size < 3:
+        return False
+    cubic, square = _curve(moves).c[:2]
+    first, last = 2.0 * square, 2.0 * square + 6.0 * cubic * np.diff(moves.time)[:, None]
+    least = JUMP * np.array(moves.arm.max_joint_acceleration)
+    return bool((np.abs(first[1:] - last[:-1]) > least).any())
+
+
+def _curve(moves: Movement) -> Any:
+    """Return the cubic curves of a movement with rates."""
+    from scipy.interpolate import CubicHermiteSpline
+
+    return CubicHermiteSpline(moves.time, moves.joints, moves.rates)
+
+
 def to_yaml(message: dict[str, Any]) -> str:
-    """Return the fields of a message as YAML, as ``ros2 topic pub`` and ``echo`` write them."""
+    """Return a message's fields as YAML for ``ros2 topic pub``; a comment says when it starts."""
     lines = [f"header: {_flow(message['header'])}", f"joint_names: {_flow(message['joint_names'])}"]
     lines.append("points:")
     for point in message["points"]:
         for k, (field, value) in enumerate(point.items()):
             lines.append(f"{'  ' if k else '- '}{field}: {_flow(value)}")
-    return "\n".join(lines) + "\n"
+    return ADVICE + "\n".join(lines) + "\n"
 
 
 def _flow(value: Any) -> str:

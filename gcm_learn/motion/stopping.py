@@ -43,8 +43,10 @@ def with_stop(situation: AnySituation, trajectory: Movement) -> Movement:
     straight way, or with its joints. The whole movement is verified: limits, and no touch of an
     obstacle until the arm rests. Bodies may come near it later.
 
-    Without limits of acceleration the arm brakes in the first of `SPANS` in which it can, joints
-    near the end of their range sooner. Give the arm limits for a stop that a robot can make.
+    A stop jerks, so an arm with limits of jerk gets none; `situation.with_end` asks for a plan that
+    ends at rest. Without limits of acceleration the arm brakes in the first of `SPANS` in which it
+    can, joints near the end of their range sooner. Give the arm limits for a stop that a robot can
+    make.
 
     Parameters
     ----------
@@ -66,6 +68,8 @@ def with_stop(situation: AnySituation, trajectory: Movement) -> Movement:
     rates = _last_rates(situation, trajectory)
     if np.abs(rates).max(initial=0.0) <= REST:
         return trajectory
+    if getattr(situation.arm, "max_joint_jerk", None) is not None:
+        raise StopError(f"{situation.name!r}: limits of jerk need a plan that ends at rest")
     reason = "no way to brake"
     for made in _candidates(situation, trajectory, rates):
         fault = _fault(situation, made)

@@ -35,6 +35,8 @@ MISTAKES = [
     ("solve a.json --deadline 20", "--deadline: '20' is no time with a unit, such as 20ms"),
     ("solve a.json --deadline -1ms", "--deadline: '-1ms' is no time with a unit"),
     ("solve a.json --end up", "--end"),
+    ("solve a.json --rate 100", "--rate 100: must be at least 125 and at most 1000"),
+    ("solve a.json --rate nan", "--rate nan: must be"),
     ("solve a.json --index -1", "--index -1: must be at least 0 (see gcm-learn solve --help)"),
     ("solve a.json --planner straight --deadline 5ms", "planner 'straight' takes no deadline"),
     ("execute a.json --noise abc", ": --noise: no number: 'abc' (see"),

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import csv
 import io
 import json
 import os
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
-from gcm_learn import families
+from gcm_learn import families, solve
 from gcm_learn.cli import main
+from gcm_learn.cli.solve import Trajectories
 from gcm_learn.compiled.notice import NOTICE
 from gcm_learn.errors import StopError
 from gcm_learn.families import paper_scene
@@ -253,6 +256,37 @@ def test_a_catch_without_a_stop_is_refused_in_one_line(tmp_path, capsys, monkeyp
     assert json.loads(out)["status"] == "caught" and not list((tmp_path / "out").iterdir())
     assert err == "gcm-learn: 'fig4': no verified stop was found; see --no-stop\n"
     assert main([*argv, "--no-stop"]) == 0
+
+
+def _unstopped(situation, trajectory):
+    raise StopError("no stop")
+
+
+def test_movements_under_limits_of_acceleration_are_planned_to_end_at_rest(
+    tmp_path, capsys, monkeypatch
+):
+    monkeypatch.setattr("gcm_learn.motion.with_stop", _unstopped)
+    write_situations(tmp_path / "panda.jsonl", [families.draw("panda-crowded-accelerated", 0, 5)])
+    argv = ["solve", str(tmp_path / "panda.jsonl"), "--trajectories", str(tmp_path / "out")]
+    assert main([*argv, "--as", "csv", "--rate", "500"]) == 0
+    answer = json.loads(capsys.readouterr().out)
+    assert answer["format"] == "gcm-learn/solution@3"  # the answer is to what was asked
+    assert any(answer["trajectory"]["rates"][-1])
+    (made,) = (tmp_path / "out").iterdir()
+    *_, before, last = csv.DictReader(io.StringIO(made.read_text()))
+    assert {value for name, value in last.items() if name.endswith("_velocity")} == {"0.0"}
+    assert float(last["time"]) - float(before["time"]) <= 0.002 + 1e-9
+
+
+def test_a_stop_is_tried_where_no_plan_ends_at_rest(tmp_path, monkeypatch):
+    situation, asked = families.draw("panda-crowded-accelerated", 0, 5), []
+    plan = solve(situation)
+    none = replace(plan, status="unreachable", trajectory=None, catch_body=None)
+    monkeypatch.setattr(
+        "gcm_learn.motion.with_stop", lambda *given: asked.append(given) or given[1]
+    )
+    Trajectories(tmp_path, "csv", None, lambda ended: none).write(situation, plan)
+    assert asked == [(situation, plan.trajectory)] and len(list(tmp_path.iterdir())) == 1
 
 
 LIMITED = ("marching", "straight", "straight-wait", "st-rrt-star")

@@ -12,7 +12,7 @@ import pytest
 from gcm_learn import artifacts, motion, solve
 from gcm_learn.arms import Chain
 from gcm_learn.errors import FieldError, StopError
-from gcm_learn.families import draw, paper_scene, thrown_scene
+from gcm_learn.families import draw, paper_scene
 from gcm_learn.situation import (
     Body,
     Situation,
@@ -50,7 +50,7 @@ CASES = {
     "planar": lambda: paper_scene("fig4"),
     "planar among solids": lambda: draw("gate-solid", 0, 0),
     "a target that leaves the plane": lambda: _of_suite("demo-39"),
-    "spatial": thrown_scene,
+    "spatial": lambda: draw("behind-post-space", 3, 3),
     "spatial with accelerations": limited,
     "chain": panda,
 }
@@ -91,6 +91,15 @@ def test_stops_keep_accelerations():
     np.testing.assert_array_equal(made.rates[-1], 0.0)
 
 
+def test_an_arm_with_limits_of_jerk_gets_no_stop():
+    scene = limited()
+    moves = solve(scene).trajectory
+    jerk = tuple(50.0 * force for force in scene.arm.max_joint_acceleration)
+    arm = replace(scene.arm, max_joint_jerk=jerk)
+    with pytest.raises(StopError, match="limits of jerk need a plan that ends at rest"):
+        motion.with_stop(replace(scene, arm=arm, format=""), moves)
+
+
 def test_what_rests_needs_no_stop():
     situation = paper_scene("fig4")
     moves = solve(situation).trajectory
@@ -129,11 +138,36 @@ def test_csv_holds_the_samples(case):
     assert any(name.endswith("_velocity") for name in rows[0]) == (moves.rates is not None)
 
 
+@pytest.mark.parametrize("rate", [None, 125.0, 900.0])
+def test_rows_are_those_of_the_curve(case, rate):
+    """Rates and accelerations are those of the piece that begins, at the end of the one before."""
+    _, moves = case
+    rows = list(csv.DictReader(io.StringIO(motion.to_csv(moves, rate=rate))))
+    table = np.array([[float(value) for value in row.values()] for row in rows])
+    time, n = table[:, 0], moves.joints.shape[1]
+    hands = moves.hand if rate is None else moves.hand_at(time)
+    np.testing.assert_allclose(table[:, -hands.shape[1] :], hands, atol=1e-12)
+    if moves.rates is not None:
+        states = moves.states_at(np.append(time[:-1], np.nextafter(time[-1], 0.0)))
+        np.testing.assert_allclose(table[:, 1 : 1 + 3 * n], np.hstack(states), atol=1e-7)
+
+
+@pytest.mark.parametrize(("rest", "rows"), [(0.0, 51), (1e-9, 51), (4e-6, 51), (1e-4, 52)])
+def test_the_last_instant_is_the_last_row(rest, rows):
+    moves = solve(limited()).trajectory
+    time = np.array([0.0, 0.4 + rest])
+    made = replace(moves, time=time, joints=moves.joints[:2], rates=moves.rates[:2])
+    points = motion.to_joint_trajectory(made, rate=125.0)["points"]
+    stamps = [point["time_from_start"]["nanosec"] for point in points]
+    assert stamps == [*range(0, 8_000_000 * (rows - 1), 8_000_000), round(1e9 * time[-1])]
+
+
 def test_messages_are_those_of_ros(case):
     yaml = pytest.importorskip("yaml")
     _, moves = case
     message = motion.to_joint_trajectory(moves)
     assert yaml.safe_load(motion.to_yaml(message)) == message
+    assert motion.to_yaml(message).startswith("# A stamp of 0 means: start when received.")
     assert list(message) == ["header", "joint_names", "points"]
     assert message["header"] == {"stamp": {"sec": 0, "nanosec": 0}, "frame_id": ""}
     fields = ["positions", "velocities", "accelerations", "effort", "time_from_start"]
