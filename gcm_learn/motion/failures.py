@@ -35,6 +35,8 @@ class Failure(Enum):
     JOINT_ACCELERATION = "a joint would have to exceed max_joint_acceleration"
     JOINT_JERK = "a joint would have to exceed max_joint_jerk"
     NOT_HELD = "the hand leaves the target before the end of the hold"
+    TOO_FAST = "the target is too fast for joint {joint}: {rate} of {most}"
+    UNPLANNED = "two approaches, and axes of the hand other than its own, are not planned for yet"
     SLIPS = "the hand is faster than relative_speed allows in the hold"
     TURNS_AWAY = "the hand leaves the approach before the end of the hold"
     MISPLACED = "the target is not carried to its place"

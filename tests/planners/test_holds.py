@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import replace
 from functools import partial
 
@@ -128,6 +129,28 @@ def test_a_carry_is_judged_like_a_hold():
     target = next(body for body in given["bodies"] if body["role"] == "target")
     target["place"]["within"] = 1e-6
     assert "to its place" in broken_promise(situation_from_json(given), plan)
+
+
+def test_what_is_too_fast_is_said():
+    """The target flies past at 30 times the speed of the joints."""
+    given = asked("panda", 1, hold=(0.05, 0.05))
+    for body in given["bodies"]:
+        if body["role"] == "target":
+            at = body["motion"].get("position", [0.5, 0.0, 0.5])
+            body["motion"] = {
+                "kind": "quadratic", "position": [at[0] - 20.0, *at[1:]],
+                "velocity": [40.0, 0.0, 0.0], "acceleration": [0.0, 0.0, 0.0],
+            }  # fmt: skip
+    given["bodies"] = [body for body in given["bodies"] if body["role"] == "target"]
+    assert re.search(r"too fast for joint \d: [\d.]+ of [\d.]+", solved(given).message)
+
+
+def test_two_approaches_are_not_planned_for():
+    given = asked("panda", 1)
+    for body in given["bodies"]:
+        if body["role"] == "target":
+            body["approach"] = [{"axis": [0, 0, 1], "within": 0.5, "hand": [0, 0, 1]}]
+    assert "are not planned for yet" in solved(given).message
 
 
 def with_margin(given, now):

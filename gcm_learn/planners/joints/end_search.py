@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from gcm_learn.motion import Failure, Movement, half_width, smoothed, start_before
+from gcm_learn.motion import Failure, Movement, Reason, half_width, smoothed, start_before
 from gcm_learn.planners.completion import Attempt, JointProblem, checked
-from gcm_learn.planners.joints.endings import new_endings
+from gcm_learn.planners.joints.endings import FAST, FORCED, new_endings
 from gcm_learn.planners.joints.meeting_trees import hastened, plant_stop, search_trees
 from gcm_learn.planners.joints.ramped_ways import ramped_samples, shorten_ramped
 from gcm_learn.planners.joints.ramps import GIVEN
@@ -63,7 +63,17 @@ class EndSearch:
         problem.nodes += int(self.trees.size.sum()) - 1
         if plan is not None:
             return plan
-        return problem.answer(Failure.OUT_OF_TIME if problem.over else Failure.NO_TREE)
+        return problem.answer(self._reason())
+
+    def _reason(self) -> Failure | Reason:
+        """Return the reason for a missing catch."""
+        ends, limits = self.ends, self.study.scene.limits
+        if ends.made[0] == 0 and ends.why[FAST] > max(ends.why[FORCED:].max(), 0):
+            share, j = float(ends.need[0]), int(ends.need[1])
+            most = limits.joint_speed[j]
+            speeds = {"rate": f"{share * most:.3g}", "most": f"{most:.3g}"}
+            return Failure.TOO_FAST.with_numbers(joint=j + 1, **speeds)
+        return Failure.OUT_OF_TIME if self.problem.over else Failure.NO_TREE
 
     def _finished(self, way: JointWay) -> Plan | None:
         """Return the verified plan of a way and its end, if it passes."""

@@ -60,6 +60,8 @@ class Endings(NamedTuple):
     change: np.ndarray  # (n,)
     most: np.ndarray  # (n,)
     still: np.ndarray  # (n,): no rates
+    excess: np.ndarray  # (2,): largest share of a limit that was wanted last, and its joint
+    need: np.ndarray  # (2,): the least of these among draws that were too fast
     system: np.ndarray  # (6, 8)
     place: np.ndarray  # (6,): the hand in the target's frame, and its velocity there
     work: holding.Work
@@ -88,6 +90,7 @@ def new_endings(study: Study, situation: Situation[Any], count: int, half: float
         np.zeros(count, np.int64), np.zeros(1, np.int64), np.zeros(8, np.int64), half,
         situation.end == "rest" or any(target.place for target in situation.targets),
         np.zeros((3, n)), np.zeros((3, n)), np.zeros(6), np.zeros(n), np.zeros(n), np.zeros(n),
+        np.zeros(2), np.full(2, np.inf),
         np.zeros((6, 8)), np.zeros(6), holding.work_of(scene), _aim_of(study),
     )  # fmt: skip
 
@@ -356,6 +359,8 @@ def ended(study, trees, ends, b, t):
         why = UNFREE
     elif not _matched(study, trees, ends, e, b, since):
         why = FAST
+        if ends.excess[0] < ends.need[0]:
+            ends.need[0], ends.need[1] = ends.excess[0], ends.excess[1]
     else:
         if seconds < 0.0:
             last = _pass_by(study, ends, e, t)

@@ -35,21 +35,7 @@ def least_rates(ends, weights, soft, out):
     held = np.uint64(0)
     for turn in range(TURNS):
         rows = 6 if soft and turn < 2 else 3
-        for a in range(rows):
-            system[a, 6] = ends.wanted[a]
-            for c in range(rows):
-                system[a, c] = 0.0
-        for j in range(n):
-            free = held >> np.uint64(j) & np.uint64(1) == 0
-            square = weights[j] * weights[j]
-            for a in range(rows):
-                x = near[a, j] if a < 3 else turns[a - 3, j]
-                if not free:
-                    system[a, 6] -= x * out[j]
-                    continue
-                for c in range(rows):
-                    y = near[c, j] if c < 3 else turns[c - 3, j]
-                    system[a, c] += square * x * y
+        _filled(ends, weights, held, out, rows)
         trace = system[0, 0] + system[1, 1] + system[2, 2]
         turning = system[3, 3] + system[4, 4] + system[5, 5] if rows > 3 else 0.0
         for a in range(rows):
@@ -57,6 +43,8 @@ def least_rates(ends, weights, soft, out):
         if not trace > 0.0 or not _solved(system, rows):
             return False
         over = False
+        if turn == 0:
+            ends.excess[0] = 0.0
         for j in range(n):
             if held >> np.uint64(j) & np.uint64(1):
                 continue
@@ -64,6 +52,8 @@ def least_rates(ends, weights, soft, out):
             for a in range(rows):
                 total += (near[a, j] if a < 3 else turns[a - 3, j]) * system[a, 7]
             out[j] = weights[j] * weights[j] * total
+            if turn == 0 and abs(out[j]) > ends.excess[0] * ends.most[j]:
+                ends.excess[0], ends.excess[1] = abs(out[j]) / ends.most[j], j
             if abs(out[j]) > ends.most[j]:
                 out[j] = np.copysign(ends.most[j], out[j])
                 held |= np.uint64(1) << np.uint64(j)
@@ -71,6 +61,27 @@ def least_rates(ends, weights, soft, out):
         if not over:
             return True
     return False
+
+
+@njit(_nrt=False)
+def _filled(ends, weights, held, out, rows):
+    """Write the equations of joints that are not held at their limits."""
+    system, near, turns, n = ends.system, ends.near, ends.turns, out.size
+    for a in range(rows):
+        system[a, 6] = ends.wanted[a]
+        for c in range(rows):
+            system[a, c] = 0.0
+    for j in range(n):
+        free = held >> np.uint64(j) & np.uint64(1) == 0
+        square = weights[j] * weights[j]
+        for a in range(rows):
+            x = near[a, j] if a < 3 else turns[a - 3, j]
+            if not free:
+                system[a, 6] -= x * out[j]
+                continue
+            for c in range(rows):
+                y = near[c, j] if c < 3 else turns[c - 3, j]
+                system[a, c] += square * x * y
 
 
 @njit(_nrt=False)
