@@ -94,8 +94,11 @@ def test_catches_hold_after_reading(made):
 def test_all_catches_of_several_are_checked(chains):
     record = next(r for r in chains if r.plans["search"].on_the_way)
     plan = record.plans["search"]
-    (body, time), *others = plan.on_the_way
-    for wrong in ((body, 0.5 * time), (plan.catch_body, time)):
+    first, *others = plan.on_the_way
+    for wrong in (
+        first._replace(time=0.5 * first.time),
+        first._replace(body=plan.catch_body),
+    ):
         worse = {"search": replace(plan, on_the_way=(wrong, *others))}
         spoiled = Record(CHAINS, {"situation": record.situation, "plans": worse, "stratum": "W"})
         assert list(_broken_plans(spoiled))

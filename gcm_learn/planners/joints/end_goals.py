@@ -20,6 +20,7 @@ from gcm_learn.scene import bodies
 
 LATE = 1.0 / 3.5  # instants are drawn as this power of a uniform number: later ones more often
 SLOW = 0.25  # speed of a target that halves its chance, in that of the fastest hand
+BIAS = 0.3  # see `bias_by`
 DRAWS = 8  # of instants until a target is slow enough
 
 
@@ -85,3 +86,17 @@ def _draw_touch(ends, study, trees, horizon):
 
 draw_by = by_type({None: _draw_touch, Endings: draw_end})
 """Draw a root, by what is to be done at the end; see `draw_goal`."""
+
+
+@njit(_nrt=False, forceinline=True)
+def _no_bias(ends):
+    return 0.0
+
+
+@njit(_nrt=False, forceinline=True)
+def _bias(ends):
+    return BIAS
+
+
+bias_by = by_type({None: _no_bias, Endings: _bias})
+"""Share of states to which trees grow that are drawn from the other tree."""

@@ -13,14 +13,13 @@ import numpy as np
 
 from gcm_learn.collision.postures import free_at
 from gcm_learn.compiled import njit
-from gcm_learn.planners.joints.end_goals import draw_by, end_at
+from gcm_learn.planners.joints.end_goals import bias_by, draw_by, end_at
 from gcm_learn.planners.joints.endings import FIRST
 from gcm_learn.planners.joints.moves import turning_time
 from gcm_learn.planners.joints.ramps import END_FREE, GIVEN, START_FREE
 from gcm_learn.planners.joints.tree_moves import (
     FROM_CATCH,
     FROM_START,
-    bias_by,
     box_by,
     halve_by,
     keep_by,
@@ -50,10 +49,12 @@ def ends_free(trees, tree, k):
 
 
 @njit(_nrt=False)
-def _draw_state(study, trees, horizon):
-    """Draw a posture that the start can reach, into ``trees.drawn``, and a time for it [s]."""
+def _draw_state(study, trees, horizon, bias):
+    """Draw a posture that the start can reach, into ``trees.drawn``, and a time for it [s].
+
+    A share of them, `bias`, are those of the other tree.
+    """
     limb, q = study.scene.limb, trees.drawn
-    bias = bias_by(trees.moves)
     if bias > 0.0 and trees.size[FROM_CATCH] > 0 and uniform(trees) < bias:
         k = int(uniform(trees) * trees.size[FROM_CATCH])
         for j in range(q.size):
@@ -139,14 +140,14 @@ def grown_to(study, trees, t):
 
 
 @njit(_nrt=False)
-def _grown_backward(study, trees):
+def _grown_backward(study, trees, bias):
     """Grow the second tree by a move from a drawn posture; the new node, -1 if none is free.
 
     The move ends at the nearest node, and begins at a time by which the start can be there.
     """
     limits, limb = study.scene.limits, study.scene.limb
     tree, q, rates = FROM_CATCH, trees.drawn, trees.drawn_rates
-    bias, m = bias_by(trees.moves), -1
+    m = -1
     if bias > 0.0 and uniform(trees) < bias:
         m = int(uniform(trees) * trees.size[FROM_START])
     for j in range(q.size):
@@ -217,6 +218,7 @@ def search_trees(ends, study, trees, rounds, horizon, way):
     -------
     bool
     """
+    bias = bias_by(ends)
     vain = RARE * rounds if trees.size[FROM_CATCH] == 0 else 0
     while rounds > 0 and study.desk.budget[0] >= 0:
         study.desk.budget[0] -= ROUND + (trees.size[0] + trees.size[1]) // SCANNED
@@ -233,9 +235,9 @@ def search_trees(ends, study, trees, rounds, horizon, way):
             return False
         for tree in range(2):
             if tree == FROM_START:
-                k = grown_to(study, trees, _draw_state(study, trees, horizon))
+                k = grown_to(study, trees, _draw_state(study, trees, horizon, bias))
             else:
-                k = _grown_backward(study, trees)
+                k = _grown_backward(study, trees, bias)
             if k < 0:
                 continue
             m = connected(study, trees, tree, k)

@@ -12,7 +12,6 @@ from gcm_learn.planners.joints.pull import box
 
 FROM_START, FROM_CATCH = 0, 1  # the trees
 SPARE = 1.1  # of the least time of a ramp, since limbs rarely begin at rest
-BIAS = 0.3  # share of states that ramps take from the other tree
 RESTS = 0.5  # share of nodes at which the limb comes to rest
 
 
@@ -23,20 +22,6 @@ class Lines(NamedTuple):
 
 
 LINES = Lines(0.0)
-
-
-@njit(_nrt=False, forceinline=True)
-def _no_bias(moves):
-    return 0.0
-
-
-@njit(_nrt=False, forceinline=True)
-def _bias(moves):
-    return BIAS
-
-
-bias_by = by_type({None: _no_bias, ramps.Ramp: _bias})
-"""Share of states to which trees grow that are drawn from the other tree."""
 
 
 @njit(_nrt=False, forceinline=True)
