@@ -28,8 +28,6 @@ if TYPE_CHECKING:
 
 Form = Literal["ros2", "csv"]
 SUFFIXES: dict[Form, str] = {"ros2": ".yaml", "csv": ".csv"}
-TO_REST = 2.0
-"""Processor time for a plan that ends at rest, if a planner takes a deadline and has none [s]."""
 
 
 @dataclass(frozen=True)
@@ -99,18 +97,13 @@ class Solve:
                 draws.append(_film(self.film, situations, stack))
             written = None
             if self.trajectories is not None:
-                again = self._again(planner) if self.stop else None
-                written = Trajectories(self.trajectories, self.form, self.rate, again)
+                again = partial(plan_one, planner, file=self.file, deadline=self.deadline)
+                stops = again if self.stop else None
+                written = Trajectories(self.trajectories, self.form, self.rate, stops)
                 draws.append(written.write)
             stream = stack.enter_context(files.output(self.out))
             _solve_all(self, situations, planner, stream, draws)
         return 1 if written is not None and written.refused else 0
-
-    def _again(self, planner: Planner) -> Callable[[AnySituation], Plan]:
-        """Return a function that plans a movement for a robot, with some more time."""
-        longest = TO_REST if getattr(planner, "anytime", False) else None
-        deadline = longest if self.deadline is None else self.deadline
-        return partial(plan_one, planner, file=self.file, deadline=deadline)
 
     def _planner(self) -> Planner:
         """Return the planner, with the given memory."""

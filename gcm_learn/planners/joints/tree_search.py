@@ -38,6 +38,8 @@ SLICE = 100
 """Postures that catch to draw between two readings of the clock."""
 ROUNDS = 6000
 PATIENCE = 40
+TWICE = 2
+"""Times as many ends of movements as touches that are drawn; they are rarer."""
 AFRESH = 1500
 """Ends of movements to draw before trees begin anew."""
 VAIN = 10
@@ -124,7 +126,7 @@ class TreeSearch:
         """A catch until `end` [s] that is held, or after which the arm rests."""
         if problem.deadline is None:
             problem.budget[0] = WORK
-        seed, left = self.seed, self.rounds
+        seed, left = self.seed, TWICE * self.rounds
         while True:
             plan = EndSearch(problem, seed).plan(end, min(left, AFRESH))
             if plan.caught and has_place(problem.situation, plan):
