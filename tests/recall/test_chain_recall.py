@@ -124,6 +124,7 @@ def test_a_memory_of_a_chain_recalls_its_own_catches():
     assert own > 0.7 * len(catches())
 
 
+@pytest.mark.slow  # compiles recall for chains
 def test_recall_and_hybrid_catch_in_situations_that_are_new():
     caught = {"recall": 0, "hybrid": 0}
     for name in caught:
