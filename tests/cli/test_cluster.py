@@ -16,6 +16,7 @@ from gcm_learn.recall import Memory, RawIndex
 SAMPLE = artifacts.shipped("data") / "sample"
 
 
+@pytest.mark.slow
 def test_records_are_in_the_table_with_their_clusters(tmp_path, capsys):
     words = ["--by", "map", "--most", "12", "--count", "3"]
     assert main(["cluster", str(SAMPLE), "--out", str(tmp_path), *words]) == 0

@@ -157,6 +157,7 @@ def small(monkeypatch):
     return labels
 
 
+@pytest.mark.slow
 def test_labels_are_what_comes_of_trying(folder, small):
     source = small(dataset.open(folder), 3)
     batch = source.labels(0, None)
