@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
-from typing import Any, NamedTuple
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -75,7 +76,8 @@ def carrier(situation: Situation[Chain], index: int, joints: np.ndarray, held: f
     return replace(arm, model=model)
 
 
-class Carry(NamedTuple):
+@dataclass(frozen=True)
+class Carry:
     """A target between the end of its hold and its place."""
 
     situation: Situation[Chain]
@@ -91,6 +93,10 @@ class Carry(NamedTuple):
         """The target."""
         return self.situation.bodies[self.number]
 
+    @cached_property
+    def _carrier(self) -> Chain:
+        return carrier(self.situation, self.number, self.moves.joints_at(self.held), self.held)
+
     def at(self, since: float, horizon: float, ignores: bool) -> Situation[Chain]:
         """Return the situation of a part of the carry, whose target is the place.
 
@@ -105,8 +111,7 @@ class Carry(NamedTuple):
         """
         situation, target = self.situation, self.target
         assert target.place is not None
-        arm = carrier(situation, self.number, self.moves.joints_at(self.held), self.held)
-        arm = _standing(arm, self.moves, since)
+        arm = _standing(self._carrier, self.moves, since)
         supports = tuple((LINK, name) for name in target.ignore if ignores)
         size, still = DEPTH * target.place.within, (0.0, 0.0, 0.0)
         law = SolidQuadratic(target.place.position, still, still)

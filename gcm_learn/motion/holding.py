@@ -28,6 +28,8 @@ class Bounds(NamedTuple):
     force: float  # acceleration of the hand
     jolt: float  # third derivative of the hand
     turn: float  # angular speed of hand and target together [rad/s]
+    spin: float  # of the target [rad/s]
+    swing: tuple[float, float]  # first two derivatives of a pendulum's rate
 
 
 @njit(_nrt=False)
@@ -91,10 +93,12 @@ def _bounds_of(scene, b, curve, span, work):
     rates, bends, jolts = rates / span, bends / span**2, jolts / span**3
     for j in range(work.rates.size):
         work.rates[j] /= span
-    turn = limbs.axis_bound(limb, work.rates) + bodies.top_spin(scene.bodies, b)
-    return Bounds(
-        far * rates, far * (rates**2 + bends), far * (rates**3 + 3.0 * rates * bends + jolts), turn
-    )
+    spin, swing = bodies.top_spin(scene.bodies, b), (0.0, 0.0)
+    turn = limbs.axis_bound(limb, work.rates) + spin
+    if scene.bodies.rows[b, bodies.SWING] >= 0.0 and scene.bodies.rows[b, bodies.PIECES] == 0.0:
+        swing = _swing_changes(scene.bodies, b)
+    jolt = far * (rates**3 + 3.0 * rates * bends + jolts)
+    return Bounds(far * rates, far * (rates**2 + bends), jolt, turn, spin, swing)
 
 
 @njit(_nrt=False)
@@ -106,8 +110,7 @@ def _law_bend(scene, b, p, place, half, bounds):
     place : tuple of 3 floats
         Hand in the middle of that time.
     """
-    laws, rows = scene.bodies, scene.bodies.rows
-    spin = bodies.top_spin(laws, b)
+    laws, rows, spin = scene.bodies, scene.bodies.rows, bounds.spin
     if rows[b, bodies.SWING] < 0.0 or rows[b, bodies.PIECES] > 0.0:
         if spin == 0.0:
             return 0.0
@@ -121,7 +124,7 @@ def _law_bend(scene, b, p, place, half, bounds):
     away = bounds.speed * half
     for k in range(3):
         away += abs(place[k] - rows[b, bodies.POSITION + k])
-    first, second = _swing_changes(laws, b)
+    first, second = bounds.swing
     return second * away + 2.0 * first * bounds.speed + spin * bounds.force
 
 
@@ -153,8 +156,8 @@ def part_fault(scene, b, p, since, curve, span, ends, limits, work):
     """First promise of a hold that is broken in a part of a move, or KEPT.
 
     Between two instants the relative velocity strays from a straight line by at most an eighth of
-    the width squared times a bound of its second derivative. Distances change by no more than the
-    relative speed, angles by no more than the relative turning.
+    the width squared times a bound of its second derivative. The relative speed bounds how fast
+    distances change, the relative turning how fast angles do.
 
     Parameters
     ----------
@@ -167,16 +170,16 @@ def part_fault(scene, b, p, since, curve, span, ends, limits, work):
     """
     bounds, top = _bounds_of(scene, b, curve, span, work), limits[1] * (1.0 + SLIP) + SLIP
     t, width, turns = ends[0], ends[1] - ends[0], has_approach(scene, b)
+    first, _ = relative_velocity(scene, b, p, t, curve, span, (t - since) / span, work)
+    fast, (room, turned) = np.sqrt(_square(first)), _faults_at(scene, b, t, limits, work)
     while True:
-        first, _ = relative_velocity(scene, b, p, t, curve, span, (t - since) / span, work)
-        room, turned = _faults_at(scene, b, t, limits, work)
         later = min(t + width, ends[1])
         second, place = relative_velocity(
             scene, b, p, later, curve, span, (later - since) / span, work
         )
+        fast_later = np.sqrt(_square(second))
         room_later, turned_later = _faults_at(scene, b, later, limits, work)
-        fast = np.sqrt(max(_square(first), _square(second)))
-        if fast > top:
+        if max(fast, fast_later) > top:
             return SLIPPED
         if max(room, room_later) > 0.0:
             return LOST
@@ -184,7 +187,7 @@ def part_fault(scene, b, p, since, curve, span, ends, limits, work):
             return TURNED
         took = later - t
         bend = bounds.jolt + _law_bend(scene, b, p, place, took, bounds)
-        fine = fast + 0.125 * took * took * bend <= top
+        fine = max(fast, fast_later) + 0.125 * took * took * bend <= top
         fine = fine and max(room, room_later) + 0.5 * took * top <= 0.0
         if turns:
             fine = fine and max(turned, turned_later) + 0.5 * took * bounds.turn <= 0.0
@@ -192,6 +195,7 @@ def part_fault(scene, b, p, since, curve, span, ends, limits, work):
             if later >= ends[1]:
                 return KEPT
             t, width = later, 2.0 * width
+            fast, room, turned = fast_later, room_later, turned_later
         elif took <= _NARROWEST:  # neither broken nor proven: the limits are kept to a hair
             return SLIPPED
         else:

@@ -267,7 +267,7 @@ def _keeps_hold(study, ends, e, b, last):
 
 
 @njit(_nrt=False)
-def _braking(limits, rates, stretch):
+def braking(limits, rates, stretch):
     """Time in which joints with these rates (n,) rest if all brake evenly [s]."""
     least = 0.0
     for j in range(rates.size):
@@ -290,16 +290,16 @@ def _stopped(study, trees, ends, e, last):
     """Append a free stop to an end after its sample `last`; its last sample, -1 without one."""
     limits, moves = study.scene.limits, trees.moves
     v, q, p = ends.rates[e, last], ends.joints[e, last], ends.joints[e, last + 4]
-    if _braking(limits, v, 1.0) < ramps.SHORTEST:
+    if braking(limits, v, 1.0) < ramps.SHORTEST:
         v[:] = 0.0
         return last
     for stretch in BRAKES:
-        _rest_after(ends, e, last, last + 1, _braking(limits, v, stretch))
+        _rest_after(ends, e, last, last + 1, braking(limits, v, stretch))
         if _piece_is_free(study, ends, e, last):
             return last + 1
     since = ends.time[e, last]
     for _ in range(CHANCES):
-        span = _braking(limits, v, 1.0 + 4.0 * uniform(trees))
+        span = braking(limits, v, 1.0 + 4.0 * uniform(trees))
         for j in range(q.size):
             p[j] = (
                 q[j]
@@ -326,10 +326,10 @@ def _copy(ends, e, m, moves, i, since):
 def _run_up(study, ends, e):
     """Prepend a free move from rest to an end; its first sample, `FIRST` without one."""
     v, low, high = ends.rates[e, FIRST], study.scene.limb.low, study.scene.limb.high
-    if _braking(study.scene.limits, v, 1.0) < ramps.SHORTEST:
+    if braking(study.scene.limits, v, 1.0) < ramps.SHORTEST:
         return FIRST
     for stretch in BRAKES:
-        span = _braking(study.scene.limits, v, stretch)
+        span = braking(study.scene.limits, v, stretch)
         _rest_after(ends, e, FIRST, FIRST - 1, -span)
         inside = ends.time[e, FIRST - 1] >= ends.half
         for j in range(v.size):

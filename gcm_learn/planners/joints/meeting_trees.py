@@ -14,7 +14,7 @@ import numpy as np
 from gcm_learn.collision.postures import free_at
 from gcm_learn.compiled import njit
 from gcm_learn.planners.joints.end_goals import bias_by, draw_by, end_at
-from gcm_learn.planners.joints.endings import FIRST
+from gcm_learn.planners.joints.endings import BRAKES, FIRST, braking
 from gcm_learn.planners.joints.moves import turning_time
 from gcm_learn.planners.joints.ramps import END_FREE, GIVEN, START_FREE
 from gcm_learn.planners.joints.tree_moves import (
@@ -254,11 +254,8 @@ def plant_stop(study, trees):
     """Add the posture in which a limb that moves at first can come to rest to the first tree."""
     q, rates, limits = trees.drawn, trees.drawn_rates, study.scene.limits
     v, since = trees.rates[FROM_START, 0], trees.time[FROM_START, 0]
-    least = 0.0
-    for j in range(q.size):
-        least = max(least, abs(v[j]) / limits.joint_acceleration[j])
-    for stretch in (1.02, 1.5, 2.5, 4.0):
-        span = stretch * least
+    for stretch in BRAKES:
+        span = braking(limits, v, stretch)
         for j in range(q.size):
             q[j], rates[j] = trees.joints[FROM_START, 0, j] + 0.5 * span * v[j], 0.0
         if span > 0.0 and join(study, trees, FROM_START, 0, q, rates, since + span, GIVEN):
