@@ -10,7 +10,6 @@ from gcm_learn.motion.interception import (
 )
 from gcm_learn.motion.joint_interception import fastest_hand as fastest_hand
 from gcm_learn.motion.joint_trajectory import (
-    ends_at_rest as ends_at_rest,
     joint_names as joint_names,
     to_csv as to_csv,
     to_joint_trajectory as to_joint_trajectory,
@@ -30,6 +29,7 @@ from gcm_learn.motion.rules import (
     start_clearance as start_clearance,
 )
 from gcm_learn.motion.smoothing import (
+    ends_at_rest as ends_at_rest,
     half_width as half_width,
     rests_at_end as rests_at_end,
     smoothed as smoothed,

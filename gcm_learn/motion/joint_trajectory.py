@@ -12,7 +12,8 @@ import numpy as np
 
 from gcm_learn.arms import CHAIN, PLANAR, ByKind
 from gcm_learn.errors import FieldError
-from gcm_learn.motion.movement import REST, Movement
+from gcm_learn.motion.movement import Movement
+from gcm_learn.motion.smoothing import ends_at_rest
 
 NANO = 1_000_000_000
 NEAREST = 0.01
@@ -158,12 +159,6 @@ def _sampled(
     joints, rates = curve(time), curve(time, 1)
     joints[-1], rates[-1] = moves.joints[-1], 0.0 if ends_at_rest(moves) else moves.rates[-1]
     return Movement(moves.arm, exact, joints, rates), curve(exact, 2)
-
-
-def ends_at_rest(moves: Movement) -> bool:
-    """Return whether a movement with rates rests at its end, to 1e-6 of the limits of speed."""
-    assert moves.rates is not None
-    return bool((np.abs(moves.rates[-1]) <= REST * np.array(moves.arm.max_joint_speed)).all())
 
 
 def _jumps(moves: Movement) -> bool:

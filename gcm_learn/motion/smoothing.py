@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from gcm_learn.motion.failures import Failure
-from gcm_learn.motion.movement import Movement
+from gcm_learn.motion.movement import REST, Movement
 from gcm_learn.scene import JointLimits
 
 CLOSEST = 2e-5
@@ -147,10 +147,15 @@ def _ends_of(moves: Movement) -> tuple[np.ndarray, np.ndarray]:
     ) / span
 
 
+def ends_at_rest(moves: Movement, share: float = REST) -> bool:
+    """Return whether a movement with rates rests at its end, to a share of the limits of speed."""
+    assert moves.rates is not None
+    return bool((np.abs(moves.rates[-1]) <= share * np.array(moves.arm.max_joint_speed)).all())
+
+
 def rests_at_end(limits: JointLimits, jerk: np.ndarray | None, moves: Movement) -> bool:
     """Return whether the joints rest at the end of a movement with rates."""
-    assert moves.rates is not None
-    still = bool((np.abs(moves.rates[-1]) <= RESTS * limits.joint_speed).all())
+    still = ends_at_rest(moves, RESTS)
     if not still or moves.time.size < 2 or jerk is None:
         return still
     return bool((np.abs(_ends_of(moves)[1][-1]) <= JERK * limits.joint_acceleration).all())
