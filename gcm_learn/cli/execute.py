@@ -21,6 +21,7 @@ from gcm_learn.cli.solve import plan_one, read
 if TYPE_CHECKING:
     from gcm_learn.arms import Kind
     from gcm_learn.execution import Execution, Mind
+    from gcm_learn.planners import Plan
     from gcm_learn.situation import AnyArmBody, Situation
 
     Bodied = Situation[Any]
@@ -67,6 +68,10 @@ class Execute:
     noise: Annotated[float, NOISE, given("METRES", "all is known")] = 0.0
     """standard deviation of the places that are seen, 50 times a second; the arm plans again while
     it moves"""
+
+    tube: bool = True
+    """plan again with room for the error with which the arm follows its first plan; --no-tube
+    follows the first plan; with --noise there is none"""
 
     replan: Literal["once", "broken", "always"] = "broken"
     """with --noise: when plans are made; `broken` is when the present plan fails"""
@@ -173,18 +178,43 @@ class Execute:
 
     def _followed(self, who: Who, situation: Bodied, body: AnyArmBody) -> Execution:
         """Execute a situation under limits of acceleration."""
-        from gcm_learn.execution import Loop, Perception, execute, execute_seen, forearm_of
+        from gcm_learn.execution import Loop, Perception, execute_seen, forearm_of
 
         exact = self.plant == "kinematic"
         if who.mind is None:
-            plan: Any = plan_one(who.planner, situation, self.file)
-            return execute(plan, situation, body, kinematic=exact)
+            return self._known(who, situation, body)
         forearm = body.metres * forearm_of(situation.arm)
         looks = {} if self.noise else {"looks": EXACT_LOOKS}
         loop = Loop(Perception(self.noise / forearm), **looks)
         return execute_seen(
             who.mind, situation, loop, self.seed, name=who.name, body=body, kinematic=exact
         )
+
+    def _known(self, who: Who, situation: Bodied, body: AnyArmBody) -> Execution:
+        """Execute a plan for a known world; beside a hold also a plain touch."""
+        from gcm_learn.execution import as_touch, execute, held
+
+        if self.plant == "kinematic":
+            plan = plan_one(who.planner, situation, self.file)
+            return execute(plan, situation, body, kinematic=True)
+        plan = self._planned(who, situation, body)
+        done = execute(plan, situation, body)
+        if not held(plan):
+            return done
+        touch = as_touch(situation)
+        other = execute(self._planned(who, touch, body), touch, body, grips=True)
+        return replace(done, touch=other)
+
+    def _planned(self, who: Who, situation: Bodied, body: AnyArmBody) -> Plan:
+        """Plan in the tube in which the arm follows a first plan."""
+        from gcm_learn.execution import tube_about
+        from gcm_learn.planners import InTube, as_ours
+
+        plan = plan_one(who.planner, situation, self.file)
+        if not self.tube or plan.trajectory is None:
+            return plan
+        planner = as_ours(InTube(who.planner, tube_about(plan, situation, body)))
+        return plan_one(planner, situation, self.file)
 
 
 def told(done: Execution) -> str:
@@ -195,6 +225,14 @@ def told(done: Execution) -> str:
         parts.append(f"off by {median:.1f} mm (most {most:.1f}, at the end {end:.1f})")
     if done.torque is not None:
         parts.append(f"torque up to {100 * done.torque:.0f} %")
+    if done.blow is not None:
+        parts.append(f"gripped at {done.held_until:.3f} s with {_blow(done)}")
+    if done.touch is not None:
+        parts.append("a touch " + (f"with {_blow(done.touch)}" if done.touch.blow else "fails"))
+    if done.off_place is not None:
+        parts.append(
+            f"put down at {done.placed:.3f} s, {MILLI * done.off_place:.1f} mm from its place"
+        )
     if done.braked is not None or done.stays is not None:
         parts.append(
             "not at rest after" if done.braked is None else f"at rest after {done.braked:.2f} s"
@@ -207,6 +245,12 @@ def told(done: Execution) -> str:
         limits = ", ".join(f"{limit:.3g}" for limit in done.limits)
         parts.append(f"accelerations up to {limits} rad/s^2 from the motors of {done.body!r}")
     return "; ".join(parts)
+
+
+def _blow(done: Execution) -> str:
+    assert done.blow is not None
+    impulse, torque = done.blow
+    return f"{MILLI * impulse:.3g} mN s and {torque:.2g} N m at a joint"
 
 
 def _outcome(done: Execution) -> str:

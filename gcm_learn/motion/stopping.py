@@ -238,9 +238,9 @@ def braked(plan: Movement, limits: np.ndarray) -> Movement:
     time = time[np.append(np.diff(time) > _AT_ONCE, True)] if time.size else time
     passed = np.minimum(time[:, None], stops)
     force = -np.sign(rates) * most
-    return Movement(
-        plan.arm,
-        np.append(plan.time, plan.duration + time),
-        np.vstack([plan.joints, plan.joints[-1] + passed * (rates + 0.5 * force * passed)]),
-        np.vstack([plan.rates, rates + force * passed]),
+    return replace(
+        plan,
+        time=np.append(plan.time, plan.duration + time),
+        joints=np.vstack([plan.joints, plan.joints[-1] + passed * (rates + 0.5 * force * passed)]),
+        rates=np.vstack([plan.rates, rates + force * passed]),
     )

@@ -8,7 +8,8 @@ from typing import Any, NamedTuple
 
 from gcm_learn.arms import CHAIN, SPATIAL, ByKind, Chain, SpatialArm
 from gcm_learn.motion import Failure, fastest_hand, start_clearance
-from gcm_learn.planners.completion import Attempt, JointProblem, checked
+from gcm_learn.planners.completion import JointProblem
+from gcm_learn.planners.outside import judged_anew
 from gcm_learn.planners.plan import Plan
 from gcm_learn.scene import pack
 from gcm_learn.situation import AnySituation, Situation
@@ -107,19 +108,19 @@ class InTube:
         """Answer a situation."""
         easing = _EASINGS.of(situation)
         problem = JointProblem(situation, self.name)
-        early = problem.early_answer(keeps_acceleration=True)
+        early = problem.early_answer(keeps_acceleration=True, keeps_ends=True)
         if early is not None:
             return early
         top = fastest_hand(problem.scene)
-        names = [body.name for body in situation.bodies]
         for hurry in HURRIES:
             plan = self.planner.plan(self._eased(problem, easing, hurry * top))
             if plan.trajectory is None:
                 continue
             moves = replace(plan.trajectory, arm=situation.arm)
-            found, _ = checked(problem, Attempt(moves, names.index(str(plan.catch_body))))
-            if found is not None:
-                return found
+            found = replace(plan, trajectory=moves, planning_ms=problem.elapsed_ms)
+            fault, clearance = judged_anew(situation, found)
+            if fault is None:
+                return replace(found, clearance=clearance)
         return problem.answer(Failure.NO_INTERCEPTION)
 
     def _eased(self, problem: Any, easing: Easing, speed: float) -> Situation[Any]:

@@ -12,6 +12,7 @@ from gcm_learn.arms import Chain, hands_along
 from gcm_learn.cli import main
 from gcm_learn.execution import execution_to_json, shipped_bodies
 from gcm_learn.families import paper_scene
+from gcm_learn.planners import InTube
 from tests.policies.conftest import straight_in_space
 
 
@@ -99,6 +100,35 @@ def test_chains_and_spatial_arms_are_executed_side_by_side(chains, capsys):
     assert bare["status"] == "no body" and "panda: joints: the arm has 2" in bare["message"]
     assert (fig8["planner"], fig8["status"], fig8["body"]) == ("search", "caught", "nao")
     assert set(near) == set(fig8)
+
+
+def test_a_hold_is_told_beside_a_touch(chains, capsys):
+    """The impulse of both, and that the target stays in the hand."""
+    near = records.read_situations(chains)[0]
+    ball = replace(near.bodies[0], hold=records.Hold(0.1, 0.1))
+    arm = replace(near.arm, max_joint_acceleration=(15, 7.5, 10, 12.5, 15, 20, 20))
+    held = replace(near, arm=arm, bodies=(ball,), end="rest", format="gcm-learn/situation@4")
+    records.write_situations(chains, [held])
+    assert main(["execute", str(chains), "--out", str(chains.with_suffix(".out"))]) == 0
+    line = capsys.readouterr().out
+    assert "gripped at" in line and "; a touch with" in line and "the target stays" in line
+    done = json.loads(chains.with_suffix(".out").read_text())
+    assert done["held_until"] >= done["planned_catch_time"] + 0.1
+    assert 0.0 < 5.0 * done["impulse"] < done["touch_impulse"]
+    assert 0.0 < done["impact_torque"] < done["touch_impact_torque"]
+    assert done["stays"] is True and done["placed"] is None
+
+
+@pytest.mark.parametrize(("options", "planned"), [([], 1), (["--no-tube"], 0)])
+def test_plans_are_made_in_the_tube_unless_that_is_switched_off(
+    options, planned, file, monkeypatch, capsys
+):
+    asked = []
+    plan = InTube.plan
+    monkeypatch.setattr(InTube, "plan", lambda self, given: asked.append(1) or plan(self, given))
+    assert main(["execute", str(file), "--out", "-", *options]) == 0
+    assert len(asked) == planned
+    assert json.loads(capsys.readouterr().out.splitlines()[1])["status"] == "caught"
 
 
 def test_a_chain_without_mass_does_what_was_planned(chains, capsys):

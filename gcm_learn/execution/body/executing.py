@@ -1,8 +1,7 @@
-"""Plans carried out by an arm with mass, their outcomes, and the width of their tube."""
+"""Plans carried out by an arm with mass, and their outcomes."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -13,14 +12,14 @@ from gcm_learn.errors import PhysicsError
 from gcm_learn.execution.arena.kernels.world import CAUGHT, COLLIDED
 from gcm_learn.execution.arena.pool import Catch
 from gcm_learn.execution.body.bodies import body_for
-from gcm_learn.execution.body.kinds import MECHANICS
+from gcm_learn.execution.body.gripper import Blow, GrippingPlant
 from gcm_learn.execution.body.model import STEP
 from gcm_learn.execution.body.motors import FAINT, Controller, with_motor_limits
 from gcm_learn.execution.body.plant import Contact, PhysicalPlant
 from gcm_learn.execution.loop.closed_loop import ExactPlant, Loop, Mind, run_closed_loop
-from gcm_learn.execution.loop.joint_leading import begun
+from gcm_learn.execution.loop.joint_leading import Gripping, begun, gripped, held
 from gcm_learn.motion import Movement, braked
-from gcm_learn.planners import Plan, Tube
+from gcm_learn.planners import Plan
 from gcm_learn.situation import AnyArmBody, Situation
 
 FORMAT = "gcm-learn/execution@1"
@@ -69,6 +68,16 @@ class Execution:
     stays: bool | None = None
     """True if the last target was within grasp for another `STAYS` seconds, with no fingers to
     hold it."""
+    blow: Blow | None = None
+    """Impulse and torque as the gripper closes about the last target."""
+    held_until: float | None = None
+    """When it closes [s]."""
+    placed: float | None = None
+    """When it puts the last target down [s]."""
+    off_place: float | None = None
+    """Distance of the last target from its place at the end [m]."""
+    touch: Execution | None = None
+    """The same without a hold and a place: a touch at which a gripper closes at once."""
     braked: float | None = None
     """Time from the catch until the arm rested [s]."""
     braked_into: Contact | None = None
@@ -107,10 +116,11 @@ def execute(
     *,
     believed: AnyArmBody | None = None,
     kinematic: bool = False,
+    grips: bool = False,
 ) -> Execution:
     """Carry out a plan with an arm that has mass and motors.
 
-    After the plan's end the arm brakes.
+    After the plan's end the arm brakes. Targets that are held are gripped at the end of the hold.
 
     Parameters
     ----------
@@ -124,6 +134,8 @@ def execute(
         What the controller takes the body for, if not for what it is.
     kinematic : bool
         Whether the arm does at once what it is told, and has no mass; no body is asked for then.
+    grips : bool
+        Whether touched targets are gripped, too, in the moment of the touch.
 
     Raises
     ------
@@ -138,15 +150,20 @@ def execute(
         return Execution(
             situation.name, plan.planner, "no plan", why, chosen.name, several=several_in(situation)
         )
-    plant = PhysicalPlant(
-        situation, chosen, controller or Controller(), believed=believed, most=len(plan.catches)
-    )
     limits = with_motor_limits(situation, chosen).arm.max_joint_acceleration
-    whole = braked(plan.trajectory, np.array(limits))
-    plant.follow(whole, situation.horizon)
+    moves = gripped(plan) if grips or held(plan) else plan.trajectory
+    whole = braked(moves, np.array(limits))
+    settings: Any = {"believed": believed, "most": len(plan.catches)}
+    given = situation, chosen, controller or Controller()
+    if isinstance(moves, Gripping):
+        plant: PhysicalPlant = GrippingPlant(*given, until=moves.duration + STEP, **settings)
+    else:
+        plant = PhysicalPlant(*given, **settings)
+    plant.follow(whole, max(situation.horizon, moves.duration))
     ended = _ended(plant)
-    if plant.catch_time is not None:
-        plant.follow(whole, plant.catch_time + STAYS + whole.duration - plan.trajectory.duration)
+    if plant.outcome == CAUGHT:
+        since = max(ended * STEP, moves.duration if isinstance(moves, Gripping) else 0.0)
+        plant.follow(whole, since + STAYS + whole.duration - moves.duration)
     return _report(plan, whole, plant, ended)
 
 
@@ -216,7 +233,9 @@ def several_in(situation: Situation[Any]) -> tuple[str, ...]:
 
 
 def _ended(plant: PhysicalPlant) -> int:
-    """The step of the catch, the last one if there was none."""
+    """The step of the catch, with a gripper of its end; the last one if there was none."""
+    if isinstance(plant, GrippingPlant) and plant.catch_time is not None:
+        return plant.over
     return plant.steps if plant.catch_time is None else round(plant.catch_time / STEP)
 
 
@@ -247,14 +266,30 @@ def _report(plan: Plan, whole: Movement, plant: PhysicalPlant, ended: int) -> Ex
         error=_errors(whole, plant, np.arange(ended + 1)),
         plan=whole,
     )
+    if isinstance(plant, GrippingPlant):
+        out = _gripped(out, plant, str(plan.catch_body))
     if plant.catch_time is None:
         return out
+    stayed = ended == plant.ended and out.placed is None
     return replace(
         out,
-        stays=plant.holds(ended, ended + round(STAYS / STEP)) if ended == plant.ended else None,
+        stays=plant.holds(str(plant.catch_body), ended, ended + round(STAYS / STEP))
+        if stayed
+        else None,
         braked=_rested(plant, ended),
         braked_into=plant.later_contact,
     )
+
+
+def _gripped(done: Execution, plant: GrippingPlant, name: str) -> Execution:
+    """Return an execution with what came of the grip of a target."""
+    if name not in plant.closed:
+        return done
+    opened, blow = plant.opened.get(name), plant.blow(name)
+    done = replace(done, blow=blow, held_until=plant.closed[name] * STEP)
+    if opened is None:
+        return done
+    return replace(done, placed=opened * STEP, off_place=plant.off_place(name))
 
 
 def _errors(plan: Movement, plant: PhysicalPlant, steps: np.ndarray) -> tuple[float, float, float]:
@@ -272,12 +307,20 @@ def _rested(plant: PhysicalPlant, since: int) -> float | None:
     return float(np.flatnonzero(moving)[-1] + 1) * STEP if moving.any() else 0.0
 
 
+def as_touch(situation: Situation[Any]) -> Situation[Any]:
+    """Return a situation without holds and places, in which a touch ends the movement."""
+    loose: Any = {"hold": None, "place": None, "ignore": (), "ignore_for": None}
+    bodies = tuple(replace(b, **loose) if b.role == "target" else b for b in situation.bodies)
+    return replace(situation, bodies=bodies, end="free")
+
+
 def execution_to_json(done: Execution) -> dict[str, Any]:
     """The report in the format ``gcm-learn/execution@1``; what does not apply is null.
 
     Situations that ask for several catches have the field ``catches`` as well.
     """
     error = done.error or (None, None, None)
+    blow, touch = (of.blow if of and of.blow else (None, None) for of in (done, done.touch))
     caught = [catch._asdict() for catch in done.catches]
     return {
         "format": FORMAT,
@@ -297,6 +340,13 @@ def execution_to_json(done: Execution) -> dict[str, Any]:
         "error_at_end": error[2],
         "torque": done.torque,
         "stays": done.stays,
+        "held_until": done.held_until,
+        "impulse": blow[0],
+        "impact_torque": blow[1],
+        "touch_impulse": touch[0],
+        "touch_impact_torque": touch[1],
+        "placed": done.placed,
+        "off_place": done.off_place,
         "braked": done.braked,
         "braked_into": _contact(done.braked_into),
     }
@@ -304,55 +354,3 @@ def execution_to_json(done: Execution) -> dict[str, Any]:
 
 def _contact(contact: Contact | None) -> dict[str, Any] | None:
     return None if contact is None else {"name": contact.name, "time": contact.time}
-
-
-QUANTILE = 0.99
-"""Share of moments that are within the tube, at every speed."""
-BINS = 8
-"""Of speeds, each with as many moments."""
-
-
-def measured_tube(done: Sequence[Execution], quantile: float = QUANTILE) -> Tube:
-    """The tube about plans in which arms stayed until their catches; in metres.
-
-    The width at rest is that of the slowest eighth of all moments; what each m/s adds is the most
-    that any faster eighth asks for.
-
-    Parameters
-    ----------
-    done : sequence of Execution
-        Of one body and one controller.
-    quantile : float
-        Share of the moments of each eighth that are inside.
-
-    Raises
-    ------
-    PhysicsError
-        If nothing was executed.
-    """
-    rows = [_moments(one) for one in done if one.plant is not None]
-    if not rows:
-        raise PhysicsError("tube: nothing was executed that could be measured")
-    speed, off = np.concatenate(rows).T
-    order = np.argsort(speed, kind="stable")
-    parts = [part for part in np.array_split(order, BINS) if part.size]
-    widths = np.array([np.quantile(off[part], quantile) for part in parts])
-    middles = np.array([speed[part].mean() for part in parts])
-    rise = np.maximum(widths[1:] - widths[0], 0.0) / np.maximum(middles[1:], 1e-12)
-    return Tube(float(widths[0]), float(rise.max(initial=0.0)))
-
-
-def _moments(done: Execution) -> np.ndarray:
-    """Speed of the planned hand and how far the limb is from its plan at every step (n, 2) [m]."""
-    plant, plan = done.plant, done.plan
-    assert plant is not None and plan is not None
-    steps = np.arange(round(done.movement.duration / STEP) + 1)
-    time = steps * STEP
-    points = MECHANICS.of(plan.arm).points
-    there, wanted = (
-        points(plan.arm, plant.joints_log[steps]),
-        points(plan.arm, plan.joints_at(time)),
-    )
-    off = np.linalg.norm(there - wanted, axis=2).max(axis=1)
-    speed = np.linalg.norm(np.gradient(wanted[:, -1], STEP, axis=0), axis=1)
-    return np.stack([speed, off], axis=1) * plant.body.metres

@@ -5,11 +5,15 @@ are capsules; a small ball is the hand, which alone meets targets.  Obstacles ar
 (`mocap` in MuJoCo's words).  Targets are free bodies, put where their motion law has them until
 something touches them.  Touches are found for listed pairs only.  Links meet obstacles that they do
 not ignore, the hand meets targets, and links meet others that they must not overlap.
+
+A gripper meets no target: each has a weld to the hand, which is open at first. Targets
+with a place meet obstacles.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
 from functools import lru_cache
 from typing import Any, NamedTuple
 from xml.etree import ElementTree as Xml
@@ -39,7 +43,7 @@ STUCK = 1e-6
 LIGHTEST = {"boundmass": 1e-12, "boundinertia": 1e-14}
 """Mass and inertia of segments that have none [kg, kg m^2]."""
 RIGID = {"solref": (2.0 * STEP, 1.0), "solimp": (0.999, 0.9999, 1e-3)}
-"""Bonds of followers to their leaders, as stiff as the step allows."""
+"""Bonds of followers to their leaders, and of what is gripped, as stiff as the step allows."""
 GEOMS = ("sphere", "box", "capsule", "cylinder")  # shapes whose names and sizes MuJoCo shares
 TYPES = {"revolute": "hinge", "prismatic": "slide"}
 LINK, CATCHER = -1, -2  # codes of geometries that are no body's; those of bodies are their numbers
@@ -54,6 +58,10 @@ class Thing(NamedTuple):
     name: str
     role: str
     shape: Shape
+    place: bool = False
+    """True if it is carried."""
+    ignore: tuple[str, ...] = ()
+    """Obstacles that it does not meet."""
 
 
 def mujoco() -> Any:
@@ -70,7 +78,9 @@ def mujoco() -> Any:
     return library
 
 
-def model_xml(arm: Any, body: AnyArmBody, things: Sequence[Body | Thing] | None = None) -> str:
+def model_xml(
+    arm: Any, body: AnyArmBody, things: Sequence[Body | Thing] | None = None, grips: bool = False
+) -> str:
     """The model in MuJoCo's own format (MJCF).
 
     Parameters
@@ -80,6 +90,8 @@ def model_xml(arm: Any, body: AnyArmBody, things: Sequence[Body | Thing] | None 
     things : sequence of Body or Thing, optional
         What moves about the arm. Without it the arm has neither contacts nor limits of joints, as
         inverse dynamics wants it.
+    grips : bool
+        Whether the hand is a gripper.
     """
     alone = things is None
     root = Xml.Element("mujoco", model="gcm_learn")
@@ -92,7 +104,7 @@ def model_xml(arm: Any, body: AnyArmBody, things: Sequence[Body | Thing] | None 
     for k, thing in enumerate(things or ()):
         _add_thing(world, thing, f"body{k}", body.metres)
     if things is not None:
-        _add_pairs(_add(root, "contact"), arm, body, things)
+        _add_pairs(_add(root, "contact"), arm, body, things, grips)
     motors, bonds = _add(root, "actuator"), _add(root, "equality")
     leads = MECHANICS.of(arm).leads(arm)
     factors, offsets = MECHANICS.of(arm).lines(arm, body.metres)
@@ -104,6 +116,11 @@ def model_xml(arm: Any, body: AnyArmBody, things: Sequence[Body | Thing] | None 
             k = int(np.argmax(np.abs(row)))
             line = (offsets[j], row[k], 0.0, 0.0, 0.0)
             _add(bonds, "joint", joint1=f"joint{j}", joint2=f"joint{leaders[k]}", polycoef=line,
+                 **RIGID)  # fmt: skip
+    carrier = MECHANICS.of(arm).segments(arm, body)[MECHANICS.of(arm).hand(arm)[0]].name
+    for k, thing in enumerate(things or ()):
+        if grips and thing.role == "target":
+            _add(bonds, "weld", name=f"grip{k}", body1=carrier, body2=f"body{k}", active="false",
                  **RIGID)  # fmt: skip
     return Xml.tostring(root, encoding="unicode")
 
@@ -123,15 +140,21 @@ def compiled(xml: str) -> Any:
         raise PhysicsError(f"MuJoCo cannot make a model of it: {reason}") from None
 
 
-def model_of(arm: Any, body: AnyArmBody, bodies: Sequence[Body]) -> Any:
-    """The model of an arm among bodies; kept for the next one like it, wherever that moves."""
-    things = tuple(Thing(one.name, one.role, one.shape) for one in bodies)
-    return _kept(*rested(arm, body), things)
+def model_of(arm: Any, body: AnyArmBody, bodies: Sequence[Body], grips: bool = False) -> Any:
+    """The model of an arm among bodies; kept for the next one like it, wherever that moves.
+
+    A gripper changes its model, which is a copy.
+    """
+    things = tuple(
+        Thing(one.name, one.role, one.shape, one.place is not None, one.ignore) for one in bodies
+    )
+    model = _kept(*rested(arm, body), things, grips)
+    return copy(model) if grips else model
 
 
 @lru_cache(maxsize=256)
-def _kept(arm: Any, body: AnyArmBody, things: tuple[Thing, ...]) -> Any:
-    model = compiled(model_xml(arm, body, things))
+def _kept(arm: Any, body: AnyArmBody, things: tuple[Thing, ...], grips: bool) -> Any:
+    model = compiled(model_xml(arm, body, things, grips))
     most = strongest(arm, body)
     model.actuator_gainprm[:, 0] = 1.0
     model.actuator_forcelimited[:] = 1  # a torque of 0 is a limit, too
@@ -241,7 +264,7 @@ def _add_link(parent: Xml.Element, link: LinkCapsule, metres: float) -> None:
 
 
 def _add_pairs(
-    contact: Xml.Element, arm: Any, body: AnyArmBody, things: Sequence[Body | Thing]
+    contact: Xml.Element, arm: Any, body: AnyArmBody, things: Sequence[Body | Thing], grips: bool
 ) -> None:
     """List what may touch."""
     mechanics = MECHANICS.of(arm)
@@ -249,7 +272,11 @@ def _add_pairs(
     ignored = set(mechanics.ignored(arm))
     for k, thing in enumerate(things):
         if thing.role == "target":
-            _add(contact, "pair", geom1="hand", geom2=f"body{k}")
+            if not grips:
+                _add(contact, "pair", geom1="hand", geom2=f"body{k}")
+            for i, other in enumerate(things if grips and thing.place else ()):
+                if other.role == "obstacle" and other.name not in thing.ignore:
+                    _add(contact, "pair", geom1=f"body{k}", geom2=f"body{i}")
             continue
         for i in links:
             if (i, thing.name) not in ignored:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -12,7 +12,7 @@ from gcm_learn.errors import PhysicsError
 from gcm_learn.execution.arena.kernels.world import CAUGHT, COLLIDED, GONE, RUNNING
 from gcm_learn.execution.arena.pool import Catch, wanted_of
 from gcm_learn.execution.body.kinds import MECHANICS, misfit, strongest
-from gcm_learn.execution.body.laws import Laws, first_met_in, grasped, laws
+from gcm_learn.execution.body.laws import Laws, first_met_in, grasped, laws, poses_of
 from gcm_learn.execution.body.model import CATCHER, STEP, codes_of, coupling_of, model_of, mujoco
 from gcm_learn.execution.body.motors import Controller, following
 from gcm_learn.motion import Movement
@@ -60,12 +60,17 @@ class PhysicalPlant:
         What the controller takes the body for, if not for what it is.
     most : int, optional
         Number of catches that are enough, see `wanted_of`.
+    until : float
+        End of the episode, if it is after the horizon [s].
 
     Raises
     ------
     MissingExtraError
     PhysicsError
     """
+
+    grips = False
+    """True if the hand is a gripper."""
 
     def __init__(
         self,
@@ -75,6 +80,7 @@ class PhysicalPlant:
         *,
         believed: AnyArmBody | None = None,
         most: int | None = None,
+        until: float = 0.0,
     ) -> None:
         reason = misfit(situation.arm, body)
         if reason:
@@ -88,13 +94,14 @@ class PhysicalPlant:
         self.strongest = strongest(situation.arm, body)
         """Torques of the motors (dof,) [N m]."""
         self.motors = following(controller, situation.arm, believed or body)
-        self._model = model_of(situation.arm, body, situation.bodies)
+        self._model = model_of(situation.arm, body, situation.bodies, self.grips)
         self._coupling = coupling_of(self._model, situation.arm, body.metres)
         self._codes = codes_of(self._model, len(situation.bodies))
         self._data = mujoco().MjData(self._model)
-        count = round((situation.horizon + AFTER) / STEP) + 1
+        self._end = max(situation.horizon, until)
+        count = round((self._end + AFTER) / STEP) + 1
         times = np.arange(count) * STEP
-        self._scene = pack(replace(situation, horizon=float(times[-1])))
+        self._scene = pack(situation, float(times[-1]))
         self._laws = self._law = laws(self._scene, times, body.metres)
         self._numbers = [b for b, one in enumerate(situation.bodies) if one.role == "target"]
         self._places = self._scene.bodies.rows[:, PART].copy()
@@ -106,6 +113,8 @@ class PhysicalPlant:
         self.rates_log = np.empty((count, dof))
         self.torques_log = np.empty((count, dof))
         """Torques during every step [N m]."""
+        self.loads_log = np.empty((count, self._laws.moves.shape[1]))
+        """Force [N] and torque (in its frame) [N m] of touches and grips on every target."""
         self.targets_log = np.empty((count, self._laws.targets.shape[1]))
         """Of every target position [m] and quaternion, in the frame of the base."""
         self._states = np.empty((CHUNK, self._model.nq))  # after every step of a chunk
@@ -222,22 +231,13 @@ class PhysicalPlant:
         self._gains(np.zeros(len(self.fastest)), self.motors.kd)
         self._advance(np.tile(torques, (self._steps_until(until) - self.steps, 1)))
 
-    def holds(self, first: int, last: int) -> bool:
-        """Return whether a caught target is within grasp at all steps from `first` to `last`."""
-        from scipy.spatial.transform import Rotation
-
-        names = [body.name for body in self.situation.bodies if body.role == "target"]
-        if self.catch_body is None or last > self.steps:
-            return False
-        at = 7 * names.index(self.catch_body)
-        rows = self.targets_log[first : last + 1, at : at + 7]
-        poses = np.empty((len(rows), 12))
-        poses[:, :3] = rows[:, :3] / self.body.metres
-        turns = Rotation.from_quat(np.roll(rows[:, 3:], -1, axis=1)).as_matrix()
-        poses[:, 3:] = turns.reshape(-1, 9)
-        b = self.number_of(self.catch_body)
+    def holds(self, name: str, first: int, last: int) -> bool:
+        """Return whether a target is within grasp at all steps from `first` to `last`."""
+        b = self.number_of(name)
+        at = 7 * self._numbers.index(b)
+        poses = poses_of(self.targets_log[first : last + 1, at : at + 7], self.body.metres)
         joints, room = self.joints_log[first : last + 1], np.zeros((b + 1, 12))
-        return bool(grasped(self._scene, b, joints, poses, room))
+        return last <= self.steps and bool(grasped(self._scene, b, joints, poses, room))
 
     def number_of(self, name: str) -> int:
         """Return the index of a body of the situation by its name."""
@@ -253,7 +253,7 @@ class PhysicalPlant:
     def _advance(self, commands: np.ndarray, pushed: bool = False) -> None:
         """Steps with commands (n, dof), until the episode is over; beyond it all of them."""
         library = mujoco()
-        library.set_mju_user_warning(_quiet)  # what goes wrong becomes an error
+        library.set_mju_user_warning(lambda message: None)  # what goes wrong becomes an error
         try:
             self._make(commands, pushed)
         finally:
@@ -277,15 +277,15 @@ class PhysicalPlant:
         first, last = self.steps, self.steps + len(commands)
         inside, after = slice(first, last), slice(first + 1, last + 1)
         qpos, qvel, ctrl, force = data.qpos, data.qvel, data.ctrl, data.actuator_force
+        pulls = data.qfrc_constraint[self._coupling.size :]
         places, turns, own = data.mocap_pos, data.mocap_quat, self._coupling.own
         at, moving = qpos[self._coupling.size :], qvel[self._coupling.size :]
         found, law = None, [table[inside] for table in self._law]
         held = dict.fromkeys(self._held, last)  # until which step each target is
-        rows = zip(
-            commands, *law, self.torques_log[inside], self._states, self._speeds, strict=False
-        )
+        logs = self.torques_log[inside], self.loads_log[inside], self._states, self._speeds
+        rows = zip(commands, *law, *logs, strict=False)
         top, slope = self.fastest * self.metric, BRINK * self.motors.inertia / STEP / self.metric
-        for k, (command, place, turn, target, move, torque, state, speed) in enumerate(rows, first):
+        for k, (command, place, turn, target, move, *told) in enumerate(rows, first):
             if pushed:
                 _spare(command, qvel[own], top, slope)
             ctrl[:], places[:], turns[:] = command, place, turn
@@ -295,7 +295,7 @@ class PhysicalPlant:
                 _hold(self._held, at, target, 7)
                 _hold(self._held, moving, move, 6)
             step(model, data)
-            torque[:], state[:], speed[:] = force, qpos, qvel
+            told[0][:], told[1][:], told[2][:], told[3][:] = force, pulls, qpos, qvel
             if data.ncon:
                 limb, hands = self._contacts()
                 if hands:
@@ -352,7 +352,7 @@ class PhysicalPlant:
 
     def _judge(self, first: int, touched: tuple[int, int] | None) -> None:
         """See whether the episode is over, after the steps from `first` on."""
-        bodies, step = self.situation.bodies, -1 if touched is None else touched[1]
+        step = -1 if touched is None else touched[1]
         last = min(self.steps, round(self.situation.horizon / STEP))
         limb, limits = self._scene.limb.__class__, self._scene.limits.__class__
         first_met, k = first_met_in(limb, limits), first
@@ -362,15 +362,19 @@ class PhysicalPlant:
                 self.outcome, self.contact = COLLIDED, self._contact_of(touched)
                 return
             if k >= 0:
-                self.catches.append(Catch(bodies[b].name, k * STEP))
-                if len(self.catches) == self.wanted.most:
-                    self.outcome = CAUGHT
-                else:
-                    self._take_away(b, k)
-        if k < 0 and (last < self.steps or self.time >= self.situation.horizon):
+                self._met(b, k)
+        if k < 0 and (self.steps > round(self._end / STEP) or self.time >= self._end):
             self.outcome = self.wanted.at_horizon(len(self.catches))
         if touched is not None:
             self._note_late(touched)
+
+    def _met(self, b: int, k: int) -> None:
+        """Note a target within grasp at step k, which is caught."""
+        self.catches.append(Catch(self.situation.bodies[b].name, k * STEP))
+        if len(self.catches) == self.wanted.most:
+            self.outcome = CAUGHT
+        else:
+            self._take_away(b, k)
 
     def _note_late(self, touched: tuple[int, int]) -> None:
         if self.later_contact is None:
@@ -393,7 +397,3 @@ def _spare(torques, rates, top, slope):
     for j in range(torques.size):
         high, low = slope[j] * (top[j] - rates[j]), -slope[j] * (top[j] + rates[j])
         torques[j] = min(max(torques[j], min(low, 0.0)), max(high, 0.0))
-
-
-def _quiet(message: str) -> None:
-    """Ignore a warning, which would be printed and logged."""

@@ -5,8 +5,8 @@ Trajectories are on the world's clock here: the first sample is the beginning.
 
 from __future__ import annotations
 
-from dataclasses import replace
-from typing import Any, TypeVar
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from gcm_learn.compiled import njit
 from gcm_learn.execution.arena.kernels.world import CAUGHT, COLLIDED, RUNNING
 from gcm_learn.motion import Movement, braked, rules_of
 from gcm_learn.motion.joint_interception import first_meeting
+from gcm_learn.planners import Plan
 from gcm_learn.scene import Scene
 
 _NARROWEST = 1e-6  # how exactly the moment of a collision is found [shares of a move]
@@ -94,6 +95,40 @@ def _touches(scene, curve, first, last, since, until, desk):
     touch = scene.limb.thickness
     best, _ = least_on(scene, since + first * span, since + last * span, touch, _ANY, _ANY, desk)
     return best <= touch
+
+
+class Grip(NamedTuple):
+    """Closing of the hand about a target; times since the movement's beginning [s]."""
+
+    body: str
+    """Name of the target."""
+    closes: float
+    opens: float | None
+    """When it lets go; None if it carries the target to the end."""
+
+
+@dataclass(frozen=True)
+class Gripping(Movement):
+    """A movement of an arm whose hand closes and opens."""
+
+    grips: tuple[Grip, ...] = ()
+    """In order."""
+
+
+def held(plan: Plan) -> bool:
+    """Return whether a plan holds any target."""
+    return any("held_until" in one for one in plan.catches)
+
+
+def gripped(plan: Plan) -> Gripping:
+    """Return the movement of a catch, whose hand closes at the end of a hold or with a touch."""
+    moves = plan.trajectory
+    assert moves is not None
+    grips = (
+        Grip(one["body"], one.get("held_until", one["time"]), one.get("placed"))
+        for one in plan.catches
+    )
+    return Gripping(moves.arm, moves.time, moves.joints, moves.rates, grips=tuple(grips))
 
 
 Led = TypeVar("Led", SpatialArm, Chain)

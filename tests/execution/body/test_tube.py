@@ -7,10 +7,19 @@ import numpy as np
 import pytest
 
 from gcm_learn.arms import forward_in_space, hands_along
-from gcm_learn.execution import Execution, body_for, execute, measured_tube, with_motor_limits
+from gcm_learn.execution import (
+    Execution,
+    body_for,
+    execute,
+    measured_tube,
+    tube_about,
+    with_motor_limits,
+)
 from gcm_learn.execution.body.model import STEP
 from gcm_learn.families import paper_scene
 from gcm_learn.planners import InTube, Tube, get_planner
+from gcm_learn.scene import pose
+from gcm_learn.situation import Hold
 from tests.judging import judge
 from tests.worlds import among, panda, solid_ball
 
@@ -55,6 +64,34 @@ def test_a_plan_of_a_chain_in_a_tube_keeps_its_width():
     assert judge(situation, roomy) == []
     width = np.linalg.norm(roomy.trajectory.hand[-1] - target.motion.position) - 0.02
     assert width <= arm.grasp - 0.02 + 1e-6
+
+
+def test_a_hold_in_a_tube_keeps_deeper_within_the_grasp():
+    """All of it, and the situation as it was given is answered."""
+    arm = panda(max_joint_acceleration=(15, 7.5, 10, 12.5, 15, 20, 20))
+    ball = replace(solid_ball("ball", (0.5, -0.4, 0.3), (0.0, 0.3, 0.0), "target"),
+                   hold=Hold(0.2, 0.05))  # fmt: skip
+    between = solid_ball("o", (0.42, -0.1, 0.45), radius=0.05)
+    situation = among(arm, ball, between, horizon=2.0, end="rest")
+    roomy = InTube(SEARCH, Tube(still=0.01)).plan(situation)
+    assert roomy.caught and roomy.clearance >= 0.01 and judge(situation, roomy) == []
+    times = np.linspace(roomy.catch_time, roomy.held_until, 50)
+    places = np.array([pose(situation, 0, t)[0] for t in times])
+    away = np.linalg.norm(roomy.trajectory.hand_at(times) - places, axis=1) - 0.02
+    assert away.max() <= arm.grasp - 0.01 + 1e-6
+
+
+def test_a_tube_about_a_plan_is_as_wide_as_its_errors(limited):
+    """At the hand's fastest it has room for the largest, in the arm's unit."""
+    body, arm = body_for(NAO.arm), NAO.arm
+    bones = tuple(replace(bone, length=None) for bone in body.bones)
+    body = replace(body, metres=2.0, bones=bones)
+    free = replace(limited, arm=replace(arm, max_joint_acceleration=(10.0, 10.0, 30.0, 20.0)))
+    plan = SEARCH.plan(free)
+    about, done = tube_about(plan, free, body), execute(plan, free, body)
+    way = done.plan.hand_at(np.arange(0.0, done.catch_time, STEP))
+    fastest = np.linalg.norm(np.diff(way, axis=0), axis=1).max() / STEP
+    assert 0.0 < done.error[1] <= 2.0 * about.at(fastest) < 4.0 * done.error[1]
 
 
 def test_a_tube_holds_what_it_was_measured_on(limited):
