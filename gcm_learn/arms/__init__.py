@@ -61,6 +61,7 @@ from gcm_learn.arms.spatial import (
     SpatialArm as SpatialArm,
 )
 from gcm_learn.arms.spatial_limb import (
+    as_chain as as_chain,
     inverse_in_space as inverse_in_space,
     spatial_limb_of as spatial_limb_of,
     swivel_in_space as swivel_in_space,

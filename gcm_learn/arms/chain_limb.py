@@ -256,20 +256,29 @@ def lever(limb):
 
 
 @njit(_nrt=False)
-def axis_turns(limb, q, out):
-    """Write the derivative of the hand's axis, after `place`, into `out` (3, n)."""
+def direction_of(limb, q, x, y, z):
+    """Direction (x, y, z) in the frame of the hand's joint, after `place` of q (n,), turned."""
     place_axes(limb, q)
-    x, y, z = axis_of(limb, 0)
+    frame = limb.frames[limb.carriers[limb.radii.size]]
+    return (
+        frame[0] * x + frame[1] * y + frame[2] * z,
+        frame[3] * x + frame[4] * y + frame[5] * z,
+        frame[6] * x + frame[7] * y + frame[8] * z,
+    )
+
+
+@njit(_nrt=False)
+def spins(limb, q, out):
+    """Write the angular velocity of the hand by the joints, after `place`, into `out` (3, n)."""
+    place_axes(limb, q)
     out[:] = 0.0
     hand = limb.radii.size
     for step in range(depth_of(limb.tree, limb.carriers, hand)):
         k = moving(limb.tree, hand, step)
         if limb.joints[k, 0] == REVOLUTE:
             j, factor, _ = line_of(limb.tree, k)
-            ax, ay, az = limb.axes[k, 3], limb.axes[k, 4], limb.axes[k, 5]
-            out[0, j] += factor * (ay * z - az * y)
-            out[1, j] += factor * (az * x - ax * z)
-            out[2, j] += factor * (ax * y - ay * x)
+            for row in range(3):
+                out[row, j] += factor * limb.axes[k, 3 + row]
 
 
 @njit(_nrt=False)

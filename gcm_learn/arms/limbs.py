@@ -145,8 +145,13 @@ def jacobian(limb, q, out):
 
 
 @by_limb
-def axis_turns(limb, q, out):
-    """Write the derivative of the hand's axis, after `place`, into `out` (3, n)."""
+def direction_of(limb, q, x, y, z):
+    """Direction (x, y, z) in the frame of the hand's joint, after `place` of q (n,), turned."""
+
+
+@by_limb
+def spins(limb, q, out):
+    """Write the angular velocity of the hand by the joints, after `place`, into `out` (3, n)."""
 
 
 @by_limb

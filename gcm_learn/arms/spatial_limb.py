@@ -49,22 +49,52 @@ def _limb(
 ) -> ChainLimb:
     """Return the limb of bones; it is kept, since one is packed for every situation.
 
-    Joints turn about y and z, then beyond the elbow about x and z.  Links have no radius of their
-    own, but the limb's thickness.
+    Links get their radius from the limb's thickness.
     """
+    rho, length, pole = math.hypot(*upper), math.hypot(*fore), _pole(upper, fore, ranges)
+    model = _model(upper, fore, ranges, speeds, 1.0)
+    limb = limb_of_chain(Chain(model, tuple(low for low, _ in ranges), 0.0))
+    limb.balls[:, 3] = np.array([0.5 * rho, 0.5 * length]) * (1.0 + 1e-9)
+    numbers = [*upper, *fore, *_TOWARDS[pole], *_ACROSS[pole], rho, length]
+    return limb._replace(radii=np.zeros(2), length=length, solved=np.array(numbers))
+
+
+def _model(
+    upper: tuple[float, float, float],
+    fore: tuple[float, float, float],
+    ranges: tuple[tuple[float, float], ...],
+    speeds: tuple[float, ...],
+    radius: float,
+) -> ChainModel:
+    """Return the chain: joints turn about y and z, then beyond the elbow about x and z."""
     axes, none = ((0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)), (0.0,) * 3
     joints = tuple(
         ChainJoint(axis, pair, speed, origin=upper if k == 2 else none)
         for k, (axis, pair, speed) in enumerate(zip(axes, ranges, speeds, strict=True))
     )
-    rho, length, pole = math.hypot(*upper), math.hypot(*fore), _pole(upper, fore, ranges)
+    length = math.hypot(*fore)
     hand = Hand(JOINTS, fore, (fore[0] / length, fore[1] / length, fore[2] / length))
-    links = Link(2, none, upper, 1.0), Link(4, none, fore, 1.0)
-    model = ChainModel("", joints, links, hand)
-    limb = limb_of_chain(Chain(model, tuple(low for low, _ in ranges), 0.0))
-    limb.balls[:, 3] = np.array([0.5 * rho, 0.5 * length]) * (1.0 + 1e-9)
-    numbers = [*upper, *fore, *_TOWARDS[pole], *_ACROSS[pole], rho, length]
-    return limb._replace(radii=np.zeros(2), length=length, solved=np.array(numbers))
+    links = Link(2, none, upper, radius), Link(4, none, fore, radius)
+    return ChainModel("", joints, links, hand)
+
+
+def as_chain(arm: SpatialArm | Chain) -> Chain:
+    """Return the arm as a chain, whose links have a radius of their own."""
+    if isinstance(arm, Chain):
+        return arm
+    thin = 1e-9 * math.hypot(*arm.forearm)  # links of chains have a radius above zero
+    radius = max(arm.thickness, thin)
+    return Chain(
+        _model(arm.upper_arm, arm.forearm, arm.joint_range, arm.max_joint_speed, radius),
+        arm.joints,
+        arm.grasp,
+        arm.base,
+        arm.joint_rates,
+        arm.max_hand_speed,
+        arm.max_joint_acceleration,
+        max_joint_jerk=arm.max_joint_jerk,
+        joint_accelerations=arm.joint_accelerations,
+    )
 
 
 @lru_cache(maxsize=64)

@@ -52,6 +52,5 @@ from gcm_learn.motion.verification import (
     Verdict as Verdict,
     clearance as clearance,
     joint_turns as joint_turns,
-    unplanned as unplanned,
     verify as verify,
 )

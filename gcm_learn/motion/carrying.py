@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from gcm_learn.arms import IDENTITY, Chain, Hand, Link, hands_along
+from gcm_learn.arms import IDENTITY, Chain, Hand, Link, as_chain, hands_along
 from gcm_learn.motion.failures import Failure
 from gcm_learn.motion.movement import SAME, Movement
 from gcm_learn.motion.rules import rules_of
@@ -48,7 +48,7 @@ def _hand_frame(arm: Chain, joints: np.ndarray) -> tuple[np.ndarray, np.ndarray]
     return np.array(axes).T, origin[0]
 
 
-def carrier(situation: Situation[Chain], index: int, joints: np.ndarray, held: float) -> Chain:
+def carrier(situation: Situation[Any], index: int, joints: np.ndarray, held: float) -> Chain:
     """Return an arm with a target in its hand, which is then the target's origin.
 
     Parameters
@@ -61,7 +61,7 @@ def carrier(situation: Situation[Chain], index: int, joints: np.ndarray, held: f
     held : float
         When that is [s].
     """
-    arm, target = situation.arm, situation.bodies[index]
+    arm, target = as_chain(situation.arm), situation.bodies[index]
     poses = np.zeros((len(situation.bodies), 12))
     poses[index, 3:] = np.eye(3).ravel()  # spheres leave it so
     pose_at(pack_bodies(situation, max(situation.horizon, held)), index, held, poses)
@@ -80,7 +80,7 @@ def carrier(situation: Situation[Chain], index: int, joints: np.ndarray, held: f
 class Carry:
     """A target between the end of its hold and its place."""
 
-    situation: Situation[Chain]
+    situation: Situation[Any]
     number: int
     """Position of the target in ``situation.bodies``."""
     moves: Movement

@@ -9,7 +9,7 @@ import numpy as np
 from gcm_learn.arms import limbs
 from gcm_learn.arms.curves import hermite, on_curve, rate_of
 from gcm_learn.compiled import njit
-from gcm_learn.motion.joint_interception import ANGLE, approach_excess, has_approach, target_room
+from gcm_learn.motion.joint_interception import ANGLE, approach_excess, approaches, target_room
 from gcm_learn.motion.joint_verification import bends_of
 from gcm_learn.motion.rules import CATCH_SAFETY
 from gcm_learn.scene import bodies
@@ -147,7 +147,7 @@ def _faults_at(scene, b, t, limits, work):
     where = limbs.place(scene.limb, work.joints)
     x, y, z = limbs.hand_of(scene.limb, where)
     room = target_room(scene, b, x, y, z, t, work.poses) - limits[0]
-    turned = approach_excess(scene, where, b, t, work.poses) - ANGLE
+    turned = approach_excess(scene, where, work.joints, b, t, work.poses) - ANGLE
     return room, turned
 
 
@@ -169,7 +169,7 @@ def part_fault(scene, b, p, since, curve, span, ends, limits, work):
         Largest distance and relative speed.
     """
     bounds, top = _bounds_of(scene, b, curve, span, work), limits[1] * (1.0 + SLIP) + SLIP
-    t, width, turns = ends[0], ends[1] - ends[0], has_approach(scene, b)
+    t, width, turns = ends[0], ends[1] - ends[0], approaches(scene, b) > 0
     first, _ = relative_velocity(scene, b, p, t, curve, span, (t - since) / span, work)
     fast, (room, turned) = np.sqrt(_square(first)), _faults_at(scene, b, t, limits, work)
     while True:

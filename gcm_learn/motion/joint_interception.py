@@ -28,23 +28,36 @@ def target_room(scene, b, x, y, z, t, poses):
 
 
 @njit(_nrt=False, forceinline=True)
-def has_approach(scene, b):
-    """Return whether a target has an approach."""
-    row, k = scene.bodies.rows, bodies.APPROACH
-    return row[b, k] != 0.0 or row[b, k + 1] != 0.0 or row[b, k + 2] != 0.0
+def approaches(scene, b):
+    """Count of the approaches of a target: 0, 1 or 2."""
+    row, count = scene.bodies.rows, 0
+    for k in (bodies.APPROACH, bodies.APPROACH + bodies.SECOND):
+        if row[b, k] != 0.0 or row[b, k + 1] != 0.0 or row[b, k + 2] != 0.0:
+            count += 1
+    return count
 
 
 @njit(_nrt=False)
-def approach_axis(scene, b, t, poses):
-    """Direction from which target b is caught at t [s]; row b of `poses` holds its pose."""
-    row = scene.bodies.rows
+def approach_axis(scene, b, i, t, poses):
+    """Direction of approach i of target b at t [s]; row b of `poses` gets its turn."""
+    row, k = scene.bodies.rows, bodies.APPROACH + i * bodies.SECOND
     bodies.turn_at(scene.bodies, b, t, poses)
-    x, y, z = row[b, bodies.APPROACH], row[b, bodies.APPROACH + 1], row[b, bodies.APPROACH + 2]
+    x, y, z = row[b, k], row[b, k + 1], row[b, k + 2]
     return (
         poses[b, 3] * x + poses[b, 4] * y + poses[b, 5] * z,
         poses[b, 6] * x + poses[b, 7] * y + poses[b, 8] * z,
         poses[b, 9] * x + poses[b, 10] * y + poses[b, 11] * z,
     )
+
+
+@njit(_nrt=False)
+def hand_direction(scene, where, q, b, i):
+    """Direction of the hand that approach i of target b asks about, at joints q (n,)."""
+    row, k = scene.bodies.rows, bodies.TOWARDS + i * bodies.SECOND
+    x, y, z = row[b, k], row[b, k + 1], row[b, k + 2]
+    if x == 0.0 and y == 0.0 and z == 0.0:
+        return limbs.axis_of(scene.limb, where)
+    return limbs.direction_of(scene.limb, q, x, y, z)
 
 
 @njit(_nrt=False)
@@ -57,12 +70,13 @@ def angle_between(first, second):
 
 
 @njit(_nrt=False)
-def approach_excess(scene, where, b, t, poses):
-    """Angle of the hand's axis to the approach of target b at t [s] beyond what is allowed.
+def approach_excess(scene, where, q, b, t, poses):
+    """Largest angle of the hand to an approach of target b at t [s] beyond what is allowed.
 
     Parameters
     ----------
-    where : place of the limb
+    where, q : place of the limb, (n,) ndarray
+        The same posture.
     poses : (bodies, 12) ndarray
         Row b holds the body's pose.
 
@@ -71,10 +85,13 @@ def approach_excess(scene, where, b, t, poses):
     float
         [rad]; -1 where the target has no approach.
     """
-    if not has_approach(scene, b):
-        return -1.0
-    angle = angle_between(approach_axis(scene, b, t, poses), limbs.axis_of(scene.limb, where))
-    return angle - scene.bodies.rows[b, bodies.WITHIN]
+    excess = -1.0
+    for i in range(approaches(scene, b)):
+        toward = hand_direction(scene, where, q, b, i)
+        angle = angle_between(approach_axis(scene, b, i, t, poses), toward)
+        angle -= scene.bodies.rows[b, bodies.WITHIN + i * bodies.SECOND]
+        excess = angle if i == 0 else max(excess, angle)
+    return excess
 
 
 @njit(_nrt=False)
@@ -91,18 +108,18 @@ def met_at(scene, q, t, catch, poses):
     for b in range(scene.bodies.rows.shape[0]):
         if scene.bodies.rows[b, bodies.PART] == bodies.HAND:
             if target_room(scene, b, x, y, z, t, poses) <= catch:
-                if approach_excess(scene, where, b, t, poses) <= ANGLE:
+                if approach_excess(scene, where, q, b, t, poses) <= ANGLE:
                     return b
     return -1
 
 
 @njit(_nrt=False)
-def turn_wait(scene, where, b, t, rate, poses):
-    """Time [s] before the hand can have the approach of target b; 0 if it has it at t.
+def turn_wait(scene, where, q, b, t, rate, poses):
+    """Time [s] before the hand can have the approaches of target b; 0 if it has them at t.
 
-    The joints' rates are at most `rate` (n,).
+    The joints are at q (n,), and their rates are at most `rate` (n,).
     """
-    excess = approach_excess(scene, where, b, t, poses)
+    excess = approach_excess(scene, where, q, b, t, poses)
     if excess <= ANGLE:
         return 0.0
     fast = limbs.axis_bound(scene.limb, rate) + bodies.top_spin(scene.bodies, b)
@@ -137,7 +154,7 @@ def first_meeting(scene, curve, since, until, catch, shortest, poses):
         for b in range(scene.bodies.rows.shape[0]):
             if scene.bodies.rows[b, bodies.PART] == bodies.HAND:
                 room = target_room(scene, b, x, y, z, t, poses) - catch
-                wait = turn_wait(scene, where, b, t, rate, poses)
+                wait = turn_wait(scene, where, joints, b, t, rate, poses)
                 if room <= 0.0 and wait <= 0.0:
                     return t, b
                 if room > 0.0:

@@ -124,12 +124,13 @@ def _fault_at_ends(scene, time, joints, rates, body, desk):
         return NOTHING
     if time[last] > scene.limits.horizon:
         return LATE
-    where = place(limb, joints[last])
+    q = joints[last]
+    where = place(limb, q)
     x, y, z = hand_of(limb, where)
     away = target_room(scene, body, x, y, z, time[last], desk.poses)
     if away > scene.limits.grasp - 0.5 * CATCH_SAFETY * limb.length:
         return MISSED
-    if approach_excess(scene, where, body, time[last], desk.poses) > 2.0 * ANGLE:
+    if approach_excess(scene, where, q, body, time[last], desk.poses) > 2.0 * ANGLE:
         return MISSED
     if last == 0 and rates.shape[0] > 0 and _starts_too_fast(scene, joints[0], rates[0], desk):
         return FAST

@@ -164,14 +164,6 @@ class Ask(NamedTuple):
         return cls(tuple(catches), jerk, forces, situation.end == "rest", end_by)
 
 
-def unplanned(situation: Any) -> bool:
-    """Return whether a target has two approaches, or one for another axis of the hand."""
-    return any(
-        len(target.approach) > 1 or any(one.hand is not None for one in target.approach)
-        for target in situation.targets
-    )
-
-
 def verify(
     scene: Scene, rules: Rules, trajectory: Movement, body: int, ask: Ask | None = None
 ) -> Verdict:

@@ -200,8 +200,6 @@ class JointProblem(Task):
             Others have no plan where a touch will not do.
         """
         early = super().early_answer()
-        if early is None and motion.unplanned(self.situation):
-            early = self.answer(motion.Failure.UNPLANNED)
         if early is None and not keeps_ends and not self.ends_by_touch:
             early = self.answer(motion.Failure.END_UNTAKEN)
         if early is None and self.accelerates and not keeps_acceleration:

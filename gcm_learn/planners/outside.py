@@ -18,12 +18,10 @@ from gcm_learn.maps import CognitiveMap
 from gcm_learn.motion import (
     Ask,
     Carry,
-    Failure,
     Movement,
     rests_at_end,
     rules_of,
     start_clearance,
-    unplanned,
     verify,
     why_blocked,
 )
@@ -122,8 +120,6 @@ def _all_held(
     situation: AnySituation, moves: Movement, plan: Plan
 ) -> tuple[str | None, float | None]:
     """Return what verification says against a movement that goes on after its catches."""
-    if unplanned(situation):
-        return str(Failure.UNPLANNED.value), None
     bodies, asked, full = [body.name for body in situation.bodies], [], -np.inf
     carries: list[tuple[Carry, float]] = []
     for one in plan.catches:

@@ -20,7 +20,7 @@ from gcm_learn.arms.swivels import FORE, RHO, UPPER, limb_at
 from gcm_learn.collision.postures import gap_to
 from gcm_learn.compiled import njit
 from gcm_learn.motion import Rules
-from gcm_learn.motion.joint_interception import approach_axis, has_approach
+from gcm_learn.motion.joint_interception import approach_axis, approaches
 from gcm_learn.planners.joints.moves import study_of, turning_time
 from gcm_learn.planners.joints.pull import pulled
 from gcm_learn.recall.features import TOUCH, Features
@@ -140,12 +140,12 @@ def _turned_ahead(heading, x, y, z):
 @njit(_nrt=False)
 def _fill_approach(limb, scene, heading, target, poses, out, at):
     """Fill in the target's approach; 0 if it has none."""
-    if inverts(limb) or not has_approach(scene, target):
+    if inverts(limb) or approaches(scene, target) == 0:
         return
     for k in range(TRACKED.size):
         t = min(TRACKED[k], scene.limits.horizon)
         pose_at(scene.bodies, target, t, poses)
-        x, y, z = approach_axis(scene, target, t, poses)
+        x, y, z = approach_axis(scene, target, 0, t, poses)
         out[at], out[at + 1], out[at + 2] = _turned_ahead(heading, x, y, z)
         at += 3
     out[at], out[at + 1] = 1.0, np.cos(scene.bodies.rows[target, WITHIN])

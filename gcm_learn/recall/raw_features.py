@@ -21,7 +21,7 @@ from gcm_learn.arms.limbs import hand_of, link, link_count, place
 from gcm_learn.arms.swivels import RHO, limb_at
 from gcm_learn.collision.distance import segment_point2
 from gcm_learn.compiled import by_type, njit
-from gcm_learn.motion.joint_interception import approach_axis, has_approach
+from gcm_learn.motion.joint_interception import approach_axis, approaches
 from gcm_learn.recall.headings import AHEAD, Heading, heading_of, nearest_target
 from gcm_learn.scene import Scene
 from gcm_learn.scene.bodies import HAND, PART, REACH, SPIN, WITHIN, pose_at
@@ -185,8 +185,8 @@ def _fill_by_chain(view, scene, out):
     """Fill in the bodies for a chain, and the target's approach."""
     poses = np.zeros((scene.bodies.rows.shape[0], 12))
     target = nearest_target(scene, poses)
-    if has_approach(scene, target):
-        axis = approach_axis(scene, target, AHEAD * scene.limits.horizon, poses)
+    if approaches(scene, target):
+        axis = approach_axis(scene, target, 0, AHEAD * scene.limits.horizon, poses)
         for r in range(3):
             for j in range(3):
                 out[view.arm - 4 + r] += view.heading.rows[r, j] * axis[j]

@@ -141,11 +141,12 @@ def _adapted(study, b, until, work):
         return False
     _sampled(work)
     _follow(study, track)
-    where = place(scene.limb, track.joints[STEPS])
+    q = track.joints[STEPS]
+    where = place(scene.limb, q)
     x, y, z = hand_of(scene.limb, where)
     if target_room(scene, b, x, y, z, track.time[STEPS], desk.poses) > study.catch:
         return False
-    if approach_excess(scene, where, b, track.time[STEPS], desk.poses) > ANGLE:
+    if approach_excess(scene, where, q, b, track.time[STEPS], desk.poses) > ANGLE:
         return False
     for k in range(STEPS):
         span = _piece(track, k, desk.curve)

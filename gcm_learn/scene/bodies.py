@@ -40,13 +40,15 @@ AXIS = 35  # 3: rotation axis
 FIRST, LAST = 38, 39  # the body's polygon is vertices[FIRST:LAST]
 TOP_SPEED = 40  # bound on the speed of any point of the body within the horizon
 APPROACH = 41  # 3: direction in the body's frame from which a target is caught; 0 if any will do
-WITHIN = 44  # largest angle of the hand's axis to it [rad]
-PIECES = 45  # number of pieces in the entry of `angles`; 0 for a pendulum
-BALL = 46  # 1 if the body is all of the ball that holds it, so that no turn can be seen
-HOLD = 47  # how long a target is held after its catch [s]; -1 where a touch will do
-HOLD_SPEED = 48  # largest speed of the hand relative to it in the hold [lengths/s]
-MARGIN, MARGIN_RATE = 49, 50  # distance to be kept from an obstacle at t = 0, and how it grows
-COLUMNS = 51
+WITHIN = 44  # largest angle of the hand's direction to it [rad]
+TOWARDS = 45  # 3: that direction in the frame of the hand's joint; 0 for the hand's axis
+SECOND = 7  # columns from an approach to the second one of the same target
+PIECES = 55  # number of pieces in the entry of `angles`; 0 for a pendulum
+BALL = 56  # 1 if the body is all of the ball that holds it, so that no turn can be seen
+HOLD = 57  # how long a target is held after its catch [s]; -1 where a touch will do
+HOLD_SPEED = 58  # largest speed of the hand relative to it in the hold [lengths/s]
+MARGIN, MARGIN_RATE = 59, 60  # distance to be kept from an obstacle at t = 0, and how it grows
+COLUMNS = 61
 
 # Numbers of a piece; from POSITION to TURN they are those of a body's row.  They lie in `angles`,
 # two in a row: a table of their own would be one array more to hand on, which slows all kernels.

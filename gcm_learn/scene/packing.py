@@ -121,9 +121,10 @@ def pack_bodies(situation: AnySituation, until: float | None = None) -> Bodies:
         row[k.PART] = k.HAND if body.role == "target" else k.LIMB
         row[k.SIZE : k.SIZE + 3] = entry.sizes(shape)
         row[k.REACH] = shape.bounding_radius
-        if body.approach:
-            row[k.APPROACH : k.APPROACH + 3] = body.approach[0].axis
-            row[k.WITHIN] = body.approach[0].within
+        for asked, at in zip(body.approach, (0, k.SECOND), strict=False):
+            row[k.APPROACH + at : k.APPROACH + at + 3] = asked.axis
+            row[k.WITHIN + at] = asked.within
+            row[k.TOWARDS + at : k.TOWARDS + at + 3] = asked.hand or (0.0, 0.0, 0.0)
         if body.margin is not None:
             row[k.MARGIN], row[k.MARGIN_RATE] = body.margin.now, body.margin.rate
         row[k.HOLD] = -1.0

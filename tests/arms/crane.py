@@ -192,10 +192,15 @@ def jacobian(limb, q, out):
 
 
 @njit(_nrt=False)
-def axis_turns(limb, q, out):
-    for r in range(3):
-        for j in range(3):
-            out[r, j] = 0.0
+def direction_of(limb, q, x, y, z):
+    c, s = np.cos(q[0]), np.sin(q[0])
+    return c * x - s * y, s * x + c * y, z
+
+
+@njit(_nrt=False)
+def spins(limb, q, out):
+    out[:] = 0.0
+    out[2, 0] = 1.0
 
 
 @njit(_nrt=False)

@@ -107,10 +107,11 @@ def mjcf(arm: Chain):
 def test_derivatives_are_differences(arms, data, seed):
     arm = data.draw(arms)
     limb, q = limb_of_chain(arm), postures(arm, seed, 1)[0]
-    turns, moves, h = np.zeros((3, arm.dof)), np.zeros((3, arm.dof)), 1e-6
+    spins, moves, h = np.zeros((3, arm.dof)), np.zeros((3, arm.dof)), 1e-6
     limbs.place(limb, q)
     limbs.jacobian(limb, q, moves)
-    limbs.axis_turns(limb, q, turns)
+    limbs.spins(limb, q, spins)
+    turns = np.cross(spins.T, limbs.axis_of(limb, 0)).T
     at_base = replace(arm, base=type(arm.base)())
     for j in range(arm.dof):
         step = h * np.eye(arm.dof)[j]

@@ -11,13 +11,15 @@ import numpy as np
 import pytest
 
 from gcm_learn import solve
-from gcm_learn.arms import hands_along
+from gcm_learn.arms import as_chain, hands_along
+from gcm_learn.families import draw
 from gcm_learn.motion.movement import Movement
 from gcm_learn.motion.smoothing import half_width, smoothed, start_before
 from gcm_learn.planners import get_planner, plan_to_json
 from gcm_learn.planners.outside import broken_promise
 from gcm_learn.referee import judge
-from gcm_learn.situation import situation_from_json
+from gcm_learn.scene import pose
+from gcm_learn.situation import situation_from_json, situation_to_json
 from tests.chains import drawn
 
 
@@ -100,6 +102,22 @@ def test_margins_are_kept_and_clearances_are_without_them():
     assert "with its margin" in solve(with_margin(given, 9.0), "search").message
 
 
+def spatial(k, place=False):
+    """Situation k of a spatial arm whose target has to be held, and placed where the hand was."""
+    given = situation_to_json(draw("behind-post-space", 5, k)) | {
+        "format": "gcm-learn/situation@4",
+        "end": "rest",
+    }
+    arm = given["arm"]
+    arm["max_joint_acceleration"] = [6.0 * speed for speed in arm["max_joint_speed"]]
+    (hand,), _ = hands_along(as_chain(situation_from_json(given).arm), [arm["joints"]])
+    for body in given["bodies"]:
+        if body["role"] == "target":
+            body["hold"] = {"seconds": 0.1, "relative_speed": 0.3}
+            body |= {"place": {"position": hand.tolist(), "within": 0.15}} if place else {}
+    return given
+
+
 def placed(k, **more):
     """Situation k whose target is to be carried to where the hand was at first."""
     given = asked("panda", k, **more)
@@ -111,9 +129,9 @@ def placed(k, **more):
     return given
 
 
-@pytest.mark.parametrize("jerk", [None, 60.0])
-def test_what_is_caught_is_carried_to_its_place(jerk):
-    for plan in answers([placed(k, jerk=jerk) for k in range(12)], 3):
+@pytest.mark.parametrize("made", [placed, partial(placed, jerk=60.0), partial(spatial, place=True)])
+def test_what_is_caught_is_carried_to_its_place(made):
+    for plan in answers([made(k) for k in range(12)], 3):
         assert plan.held_until < plan.placed == plan.trajectory.duration
 
 
@@ -145,12 +163,29 @@ def test_what_is_too_fast_is_said():
     assert re.search(r"too fast for joint \d: [\d.]+ of [\d.]+", solved(given).message)
 
 
-def test_two_approaches_are_not_planned_for():
-    given = asked("panda", 1)
-    for body in given["bodies"]:
-        if body["role"] == "target":
-            body["approach"] = [{"axis": [0, 0, 1], "within": 0.5, "hand": [0, 0, 1]}]
-    assert "are not planned for yet" in solved(given).message
+def approached(given, plan, hands):
+    """The situation with approaches that a plan keeps, for directions fixed to the hand."""
+    situation = situation_from_json(given)
+    index = [body.name for body in situation.bodies].index(plan.catch_body)
+    _, turn = pose(situation, index, plan.catch_time)
+    arm, at = as_chain(situation.arm), plan.trajectory.joints_at(plan.catch_time)[None]
+    asks = []
+    for hand in hands:
+        model = replace(arm.model, hand=replace(arm.model.hand, axis=hand))
+        _, (along,) = hands_along(replace(arm, model=model, base=type(arm.base)()), at)
+        asks.append({"axis": list(turn.T @ along), "within": 0.3, "hand": list(hand)})
+    wanted = {"approach": asks[0] if len(asks) == 1 else asks}
+    bodies = [b | (wanted if b["role"] == "target" else {}) for b in given["bodies"]]
+    return given | {"bodies": bodies}
+
+
+@pytest.mark.parametrize("hands", [[(0.6, 0.8, 0.0)], [(1.0, 0.0, 0.0), (0.0, 0.0, 1.0)]])
+@pytest.mark.parametrize("made", [partial(asked, "panda"), spatial])
+def test_the_hand_turns_as_approaches_ask(hands, made):
+    rows = [(given, solved(given)) for given in map(made, range(8))]
+    wanted = [approached(given, plan, hands) for given, plan in rows if plan.caught]
+    assert len(wanted) >= 4
+    answers(wanted, len(wanted) - 2)
 
 
 def with_margin(given, now):

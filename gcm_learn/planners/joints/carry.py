@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from gcm_learn.arms import Chain
 from gcm_learn.motion import Ask, Carry, Failure, Movement, verify
 from gcm_learn.planners.completion import JointProblem
 from gcm_learn.planners.plan import Plan
@@ -45,8 +44,6 @@ def carried(
     situation, held, moves = problem.situation, plan.held_until, plan.trajectory
     assert held is not None and moves is not None
     index = [body.name for body in situation.bodies].index(str(plan.catch_body))
-    if not isinstance(situation.arm, Chain):
-        return problem.answer(Failure.PLACE_UNTAKEN)
     carry, reason = Carry(situation, index, moves, held), ""
     for rounds, share in product(ROUNDS, SPANS):
         if problem.over:

@@ -11,15 +11,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from gcm_learn.arms import limbs
 from gcm_learn.arms.curves import hermite
 from gcm_learn.collision.postures import free_at, least_on
 from gcm_learn.compiled import njit
 from gcm_learn.motion import holding
-from gcm_learn.motion.joint_interception import has_approach
+from gcm_learn.motion.joint_interception import approaches
 from gcm_learn.motion.joint_verification import NOTHING, piece_fault
 from gcm_learn.planners.joints import ramps
-from gcm_learn.planners.joints.least_rates import least_rates
+from gcm_learn.planners.joints.least_rates import least_rates, look, want
 from gcm_learn.planners.joints.moves import Study
 from gcm_learn.planners.joints.trees import uniform
 from gcm_learn.scene import bodies
@@ -55,14 +54,14 @@ class Endings(NamedTuple):
     half: float  # width of the moving average, halved [s]
     stops: bool  # whether the arm has to rest at the end
     near: np.ndarray  # (3, n): derivative of the hand
-    turns: np.ndarray  # (3, n): derivative of its axis
+    turns: np.ndarray  # (3, n): derivative of its direction
+    toward: np.ndarray  # (3,): that direction
     wanted: np.ndarray  # (6,): rates of both
     change: np.ndarray  # (n,)
     most: np.ndarray  # (n,)
     still: np.ndarray  # (n,): no rates
     excess: np.ndarray  # (2,): largest share of a limit that was wanted last, and its joint
     need: np.ndarray  # (2,): the least of these among draws that were too fast
-    system: np.ndarray  # (6, 8)
     place: np.ndarray  # (6,): the hand in the target's frame, and its velocity there
     work: holding.Work
     aim: Study  # with room in the grasp and in the approach
@@ -73,7 +72,7 @@ def _aim_of(study: Study) -> Study:
     rows, laws = study.scene.bodies.rows.copy(), study.scene.bodies
     targets = np.flatnonzero(rows[:, bodies.PART] == bodies.HAND)
     room = study.scene.limits.grasp + min(inner_radius(laws, b) for b in targets)
-    rows[:, bodies.WITHIN] *= 1.0 - DEPTH
+    rows[:, [bodies.WITHIN, bodies.WITHIN + bodies.SECOND]] *= 1.0 - DEPTH
     scene = study.scene._replace(bodies=laws._replace(rows=rows))
     return study._replace(scene=scene, catch=study.catch - DEPTH * room)
 
@@ -89,34 +88,10 @@ def new_endings(study: Study, situation: Situation[Any], count: int, half: float
         np.zeros(count, np.int64), np.zeros(count, np.int64), np.zeros((count, 2)),
         np.zeros(count, np.int64), np.zeros(1, np.int64), np.zeros(8, np.int64), half,
         situation.end == "rest" or any(target.place for target in situation.targets),
-        np.zeros((3, n)), np.zeros((3, n)), np.zeros(6), np.zeros(n), np.zeros(n), np.zeros(n),
-        np.zeros(2), np.full(2, np.inf),
-        np.zeros((6, 8)), np.zeros(6), holding.work_of(scene), _aim_of(study),
+        np.zeros((3, n)), np.zeros((3, n)), np.zeros(3), np.zeros(6), np.zeros(n), np.zeros(n),
+        np.zeros(n), np.zeros(2), np.full(2, np.inf), np.zeros(6), holding.work_of(scene),
+        _aim_of(study),
     )  # fmt: skip
-
-
-@njit(_nrt=False)
-def _look(study, ends, b, t, q):
-    """Write derivatives of the hand and the target's pose at joints q (n,), t [s]; the hand."""
-    limb, poses = study.scene.limb, ends.work.poses
-    place = limbs.hand_of(limb, limbs.place(limb, q))
-    limbs.jacobian(limb, q, ends.near)
-    limbs.axis_turns(limb, q, ends.turns)
-    bodies.pose_at(study.scene.bodies, b, t, poses)
-    bodies.turn_at(study.scene.bodies, b, t, poses)
-    return place
-
-
-@njit(_nrt=False)
-def _want(study, ends, b, t, place, share):
-    """Write the velocity of the target at `place` (3) and of the axis' direction; `share` of it."""
-    laws, wanted = study.scene.bodies, ends.wanted
-    p = bodies.piece_at(laws, b, t) if laws.rows[b, bodies.PIECES] > 0.0 else 0
-    ux, uy, uz = bodies.velocity_by(laws, b, p, t, place)
-    wx, wy, wz = bodies.spin_by(laws, b, p, t)
-    ax, ay, az = limbs.axis_of(study.scene.limb, 0)
-    wanted[0], wanted[1], wanted[2] = share * ux, share * uy, share * uz
-    wanted[3], wanted[4], wanted[5] = wy * az - wz * ay, wz * ax - wx * az, wx * ay - wy * ax
 
 
 @njit(_nrt=False)
@@ -124,11 +99,11 @@ def _matched(study, trees, ends, e, b, t):
     """Write rates that let the hand go with the target at the start of end e; whether there are."""
     q, rates, limits = ends.joints[e, FIRST], ends.rates[e, FIRST], study.scene.limits
     row, wanted = study.scene.bodies.rows, ends.wanted
-    place = _look(study, ends, b, t, q)
+    place = look(study, ends, b, t, q)
     share, held = 1.0, row[b, bodies.HOLD] >= 0.0
     if not held:
         share = uniform(trees) if uniform(trees) < FOLLOWS else 0.0
-    _want(study, ends, b, t, place, share)
+    want(study, ends, b, t, place, share)
     ends.place[3:] = 0.0
     if held:
         fast = np.sqrt(wanted[0] ** 2 + wanted[1] ** 2 + wanted[2] ** 2)
@@ -140,7 +115,7 @@ def _matched(study, trees, ends, e, b, t):
     for j in range(q.size):
         ends.most[j] = limits.joint_speed[j] * (1.0 - 2.0 * ramps.EASE)
         rates[j] = 0.0
-    soft = has_approach(study.scene, b)
+    soft = approaches(study.scene, b) > 0
     return least_rates(ends, limits.joint_speed, soft, rates)
 
 
@@ -176,8 +151,8 @@ def _follow(study, ends, e, b, since, until):
     ends.time[e, FIRST] = since
     if steps <= 0:
         return FIRST
-    _to_frame(ends, b, _look(study, ends, b, since, ends.joints[e, FIRST]))
-    span, soft = (until - since) / steps, has_approach(scene, b)
+    _to_frame(ends, b, look(study, ends, b, since, ends.joints[e, FIRST]))
+    span, soft = (until - since) / steps, approaches(scene, b) > 0
     for j in range(change.size):
         ends.most[j] = limits.joint_acceleration[j] * (1.0 - 2.0 * ramps.EASE) * span
     for i in range(FIRST, FIRST + steps):
@@ -190,9 +165,9 @@ def _follow(study, ends, e, b, since, until):
         t = since + span * (i + 1 - FIRST)
         for j in range(q.size):
             p[j] = q[j] + span * v[j]
-        hand = _look(study, ends, b, t, p)
+        hand = look(study, ends, b, t, p)
         place = _from_frame(ends, b, t - since)
-        _want(study, ends, b, t, place, 1.0)
+        want(study, ends, b, t, place, 1.0)
         for k in range(3):
             wanted[k] += ends.place[3 + k] + GAIN * (place[k] - hand[k]) / span
         for k in range(3):

@@ -4,10 +4,52 @@ from __future__ import annotations
 
 import numpy as np
 
+from gcm_learn.arms import limbs
 from gcm_learn.compiled import njit
+from gcm_learn.motion.joint_interception import approaches, hand_direction
+from gcm_learn.scene import bodies
 
 TURNS = 5  # of holding joints at their limits
 HARD, SOFT = 1e-9, 0.3  # damping of the hand's velocity and of its direction [share]
+
+
+@njit(_nrt=False)
+def look(study, ends, b, t, q):
+    """Write derivatives of the hand and the target's pose at joints q (n,), t [s]; the hand.
+
+    Two approaches fix the hand's spin; one fixes how its direction turns.
+    """
+    limb, poses, turns, toward = study.scene.limb, ends.work.poses, ends.turns, ends.toward
+    where = limbs.place(limb, q)
+    place = limbs.hand_of(limb, where)
+    limbs.jacobian(limb, q, ends.near)
+    limbs.spins(limb, q, turns)
+    if approaches(study.scene, b) < 2:
+        toward[0], toward[1], toward[2] = hand_direction(study.scene, where, q, b, 0)
+        for j in range(q.size):
+            turns[0, j], turns[1, j], turns[2, j] = _across(toward, turns[:, j])
+    bodies.pose_at(study.scene.bodies, b, t, poses)
+    bodies.turn_at(study.scene.bodies, b, t, poses)
+    return place
+
+
+@njit(_nrt=False)
+def _across(toward, spin):
+    """Rate of a direction (3,) that turns with an angular velocity (3,)."""
+    (ax, ay, az), (wx, wy, wz) = (toward[0], toward[1], toward[2]), (spin[0], spin[1], spin[2])
+    return wy * az - wz * ay, wz * ax - wx * az, wx * ay - wy * ax
+
+
+@njit(_nrt=False)
+def want(study, ends, b, t, place, share):
+    """Write the target's velocity at `place` (3), `share` of it, and what turns; after `look`."""
+    laws, wanted = study.scene.bodies, ends.wanted
+    p = bodies.piece_at(laws, b, t) if laws.rows[b, bodies.PIECES] > 0.0 else 0
+    ux, uy, uz = bodies.velocity_by(laws, b, p, t, place)
+    wanted[0], wanted[1], wanted[2] = share * ux, share * uy, share * uz
+    wanted[3], wanted[4], wanted[5] = bodies.spin_by(laws, b, p, t)
+    if approaches(study.scene, b) < 2:
+        wanted[3], wanted[4], wanted[5] = _across(ends.toward, wanted[3:])
 
 
 @njit(_nrt=False)
@@ -31,7 +73,7 @@ def least_rates(ends, weights, soft, out):
     -------
     bool
     """
-    system, near, turns, n = ends.system, ends.near, ends.turns, out.size
+    system, near, turns, n = ends.aim.system, ends.near, ends.turns, out.size
     held = np.uint64(0)
     for turn in range(TURNS):
         rows = 6 if soft and turn < 2 else 3
@@ -40,7 +82,7 @@ def least_rates(ends, weights, soft, out):
         turning = system[3, 3] + system[4, 4] + system[5, 5] if rows > 3 else 0.0
         for a in range(rows):
             system[a, a] += HARD * trace if a < 3 else SOFT * turning + 1e-12
-        if not trace > 0.0 or not _solved(system, rows):
+        if not trace > 0.0 or not solved(system, rows):
             return False
         over = False
         if turn == 0:
@@ -66,7 +108,7 @@ def least_rates(ends, weights, soft, out):
 @njit(_nrt=False)
 def _filled(ends, weights, held, out, rows):
     """Write the equations of joints that are not held at their limits."""
-    system, near, turns, n = ends.system, ends.near, ends.turns, out.size
+    system, near, turns, n = ends.aim.system, ends.near, ends.turns, out.size
     for a in range(rows):
         system[a, 6] = ends.wanted[a]
         for c in range(rows):
@@ -85,7 +127,7 @@ def _filled(ends, weights, held, out, rows):
 
 
 @njit(_nrt=False)
-def _solved(system, rows):
+def solved(system, rows):
     """Solve for column 6 by elimination with pivots on the diagonal; column 7 gets the answer."""
     for a in range(rows):
         pivot = system[a, a]

@@ -39,7 +39,9 @@ class Study(NamedTuple):
     low: np.ndarray  # (n,)
     high: np.ndarray  # (n,)
     jacobian: np.ndarray  # (3, n)
-    turns: np.ndarray  # (3, n): derivative of the hand's axis
+    turns: np.ndarray  # (3, n): angular velocity of the hand by the joints
+    slopes: np.ndarray  # (5, n): of what pulls a posture to a target; see `pull`
+    system: np.ndarray  # (6, 8): equations and their solution; see `least_rates`
     branches: np.ndarray  # (4, n)
 
 
@@ -50,7 +52,8 @@ def study_of(scene, rules):
     return Study(
         scene, rules.touch, rules.catch, rules.instant,
         desk_of(scene), np.zeros(PIECES), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n),
-        np.zeros(n), np.zeros(n), np.zeros((3, n)), np.zeros((3, n)), np.zeros((4, n)),
+        np.zeros(n), np.zeros(n), np.zeros((3, n)), np.zeros((3, n)), np.zeros((5, n)),
+        np.zeros((6, 8)), np.zeros((4, n)),
     )  # fmt: skip
 
 

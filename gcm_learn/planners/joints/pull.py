@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from gcm_learn.arms.limbs import axis_of, axis_turns, dof, hand_of, jacobian, place
+from gcm_learn.arms.limbs import dof, hand_of, jacobian, place, spins
 from gcm_learn.collision.distance import point_distance
 from gcm_learn.compiled import njit
 from gcm_learn.motion import joint_interception
+from gcm_learn.planners.joints.least_rates import solved
 from gcm_learn.planners.joints.moves import HAIR, time_of
-from gcm_learn.scene.bodies import WITHIN, pose_at
+from gcm_learn.scene.bodies import SECOND, WITHIN, pose_at
 
 ROUNDS = 16  # of pulling a hand to a target
 DEPTH = 1e-4  # how far into the catch it is pulled [forearms]
@@ -76,77 +77,92 @@ def pulled(study, b, t, q):
 
 @njit(_nrt=False)
 def _pulled_along(study, b, t, q):
-    """Turn joints q (n,) until the hand catches body b from its approach; see `pulled`.
+    """Turn joints q (n,) until the hand catches body b from its approaches; see `pulled`.
 
-    Newton's method on distance and angle together, damped; joints that would leave their box are
+    Newton's method on distance and angles together, damped; joints that would leave their box are
     held for a round.  Returns 1 for success, 0 for failure, -1 for a target without approach.
     """
-    if not joint_interception.has_approach(study.scene, b):
+    scene, poses, system = study.scene, study.desk.poses, study.system
+    limb, angles = scene.limb, joint_interception.approaches(scene, b)
+    if angles == 0:
         return -1
-    scene, poses, rate = study.scene, study.desk.poses, study.scene.limits.joint_speed
-    limb, within = scene.limb, scene.bodies.rows[b, WITHIN]
     pose_at(scene.bodies, b, t, poses)
-    ax, ay, az = joint_interception.approach_axis(scene, b, t, poses)
     for _ in range(2 * ROUNDS):
         where = place(limb, q)
         x, y, z = hand_of(limb, where)
         room = point_distance(scene.bodies, poses, b, x, y, z) - study.catch
-        bx, by, bz = axis_of(limb, where)
-        excess = joint_interception.angle_between((ax, ay, az), (bx, by, bz)) - within
-        if room <= 0.0 and excess <= 0.5 * joint_interception.ANGLE:
+        far = joint_interception.approach_excess(scene, where, q, b, t, poses)
+        if room <= 0.0 and far <= 0.5 * joint_interception.ANGLE:
             return 1
         nx, ny, nz = _slope(study, b, x, y, z)
         jacobian(limb, q, study.jacobian)
-        axis_turns(limb, q, study.turns)
-        cosine = ax * bx + ay * by + az * bz
-        sine = np.sqrt(max(1.0 - cosine * cosine, 1e-12))
         for j in range(dof(limb)):
-            a, c = study.jacobian[:, j], study.turns[:, j]
-            study.jacobian[0, j] = nx * a[0] + ny * a[1] + nz * a[2]
-            study.turns[0, j] = -(ax * c[0] + ay * c[1] + az * c[2]) / sine
-        depth = room + DEPTH * limb.length if room > 0.0 else 0.0
-        angle = excess + min(0.1 * within, 0.02) if excess > 0.0 else 0.0
-        if not _stepped(study, rate, depth, angle, q):
+            a = study.jacobian[:, j]
+            study.slopes[0, j] = nx * a[0] + ny * a[1] + nz * a[2]
+        system[0, 6] = room + DEPTH * limb.length if room > 0.0 else 0.0
+        spins(limb, q, study.turns)
+        for i in range(angles):
+            system[1 + i, 6] = _turn_wanted(study, where, q, b, i, t)
+        if not _stepped(study, 1 + angles, q):
             return 0
     return 0
 
 
 @njit(_nrt=False)
-def _stepped(study, rate, depth, angle, q):
-    """Lessen distance and angle by a step of joints q (n,); whether there is one.
+def _turn_wanted(study, where, q, b, i, t):
+    """Angle by which the hand has to turn to approach i of body b; its slope into `slopes`."""
+    scene = study.scene
+    within = scene.bodies.rows[b, WITHIN + i * SECOND]
+    axis = joint_interception.approach_axis(scene, b, i, t, study.desk.poses)
+    hand = joint_interception.hand_direction(scene, where, q, b, i)
+    (ax, ay, az), (bx, by, bz) = axis, hand
+    ex, ey, ez = by * az - bz * ay, bz * ax - bx * az, bx * ay - by * ax
+    sine = np.sqrt(max(ex * ex + ey * ey + ez * ez, 1e-12))
+    for j in range(q.size):
+        w = study.turns[:, j]
+        study.slopes[1 + i, j] = -(w[0] * ex + w[1] * ey + w[2] * ez) / sine
+    excess = joint_interception.angle_between(axis, hand) - within
+    return excess + min(0.1 * within, 0.02) if excess > 0.0 else 0.0
 
-    Slopes of both are in the first rows of ``study.jacobian`` and ``study.turns``.
+
+@njit(_nrt=False)
+def _stepped(study, count, q):
+    """Lessen distance and angles, `count` together, by a step of joints q (n,); if there is one.
+
+    They are in column 6 of ``study.system``, their slopes in the first rows of ``study.slopes``.
     """
-    low, high, n = study.low, study.high, q.size
-    near, turn = study.jacobian, study.turns
+    low, high, n, rate = study.low, study.high, q.size, study.scene.limits.joint_speed
+    slopes, system, free, step = study.slopes, study.system, study.slopes[3], study.slopes[4]
+    wanted = system[0, 6], system[1, 6], system[2, 6]
     for j in range(n):
-        near[1, j] = 1.0
+        free[j] = 1.0
     for _ in range(2):
-        a, c, d = 0.0, 0.0, 0.0
-        for j in range(n):
-            weight = rate[j] * rate[j] * near[1, j]
-            a += weight * near[0, j] * near[0, j]
-            c += weight * near[0, j] * turn[0, j]
-            d += weight * turn[0, j] * turn[0, j]
-        a, d = a * (1.0 + DAMPING) + 1e-30, d * (1.0 + DAMPING) + 1e-30
-        below = a * d - c * c
-        if not below > 0.0:
+        for a in range(count):
+            system[a, 6] = wanted[a]
+            for c in range(count):
+                total = 0.0
+                for j in range(n):
+                    total += rate[j] * rate[j] * free[j] * slopes[a, j] * slopes[c, j]
+                system[a, c] = total
+            system[a, a] = system[a, a] * (1.0 + DAMPING) + 1e-30
+        if not solved(system, count):
             return False
-        u, v = (d * depth - c * angle) / below, (a * angle - c * depth) / below
         most, held = 0.0, False
         for j in range(n):
-            step = -rate[j] * rate[j] * near[1, j] * (u * near[0, j] + v * turn[0, j])
-            if (q[j] <= low[j] and step < 0.0) or (q[j] >= high[j] and step > 0.0):
-                near[1, j], held, step = 0.0, True, 0.0
-            near[2, j] = step
-            most = max(most, abs(step))
+            total = 0.0
+            for a in range(count):
+                total += slopes[a, j] * system[a, 7]
+            step[j] = -rate[j] * rate[j] * free[j] * total
+            if (q[j] <= low[j] and step[j] < 0.0) or (q[j] >= high[j] and step[j] > 0.0):
+                free[j], held, step[j] = 0.0, True, 0.0
+            most = max(most, abs(step[j]))
         if not held:
             break
     if most == 0.0:
         return False
     share = min(1.0, LONGEST_PULL / most)
     for j in range(n):
-        q[j] = min(max(q[j] + share * near[2, j], low[j]), high[j])
+        q[j] = min(max(q[j] + share * step[j], low[j]), high[j])
     return True
 
 

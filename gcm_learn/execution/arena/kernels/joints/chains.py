@@ -29,7 +29,7 @@ from gcm_learn.compiled import njit
 from gcm_learn.execution.arena.kernels.joints import fan
 from gcm_learn.execution.arena.kernels.joints.nearness import lay, nearest_on_bone, wish
 from gcm_learn.execution.arena.kernels.world import World, put, put_vector
-from gcm_learn.motion.joint_interception import approach_axis, approach_excess, has_approach
+from gcm_learn.motion.joint_interception import approach_axis, approach_excess, approaches
 from gcm_learn.motion.joint_verification import hand_too_fast
 from gcm_learn.scene import Scene
 from gcm_learn.scene.bodies import REACH
@@ -231,15 +231,15 @@ def approach_numbers(limb):
 
 
 @njit(_nrt=False)
-def tell_approach(limb, place, scene, b, t, poses, row, at):
-    """Write whether target b has an approach, its direction, and the angle that is too much."""
+def tell_approach(limb, place, q, scene, b, t, poses, row, at):
+    """Write whether target b has an approach, the first, and the angle that is too much."""
     for k in range(approach_numbers(limb)):
         row[at + k] = 0.0
-    if not inverts(limb) and has_approach(scene, b):
+    if not inverts(limb) and approaches(scene, b) > 0:
         row[at] = 1.0
-        x, y, z = approach_axis(scene, b, t, poses)
+        x, y, z = approach_axis(scene, b, 0, t, poses)
         put_vector(row, at + 1, x, y, z, 1.0)
-        put(row, at + 4, approach_excess(scene, place, b, t, poses))
+        put(row, at + 4, approach_excess(scene, place, q, b, t, poses))
 
 
 @njit(_nrt=False)

@@ -140,7 +140,9 @@ def _tell_target(view, time, posture, e, where, row):
     meeting.aim_along(view, posture, e, wx / way, wy / way, wz / way)
     for j in range(n):
         row[at + UNTIL_AIM + j] = view.rates[meeting.AIM_ROW, j]
-    chains.tell_approach(scene.limb, where, scene, b, time, poses, row, at + UNTIL_AIM + n)
+    chains.tell_approach(
+        scene.limb, where, view.joints[0], scene, b, time, poses, row, at + UNTIL_AIM + n
+    )
     return b
 
 
