@@ -30,7 +30,7 @@ from gcm_learn.arms.chain_frames import (
     tree_of,
 )
 from gcm_learn.arms.curves import on_curve, rate_of
-from gcm_learn.arms.link_gaps import nearest_pair
+from gcm_learn.arms.link_gaps import balls_about, nearest_pair
 from gcm_learn.arms.rotations import frame_along, rotation_of
 from gcm_learn.compiled import njit
 
@@ -366,7 +366,7 @@ def limb_of_chain(arm: Chain, bodies: tuple[str, ...] = ()) -> ChainLimb:
         frames=frames,
         axes=np.zeros((count, 6)),
         reaches=np.zeros((m + 1, 6)),
-        balls=_balls(ends[:-1], np.array([link.radius for link in model.links])),
+        balls=balls_about(ends[:-1], np.array([link.radius for link in model.links])),
         near=np.zeros(m, dtype=np.int64),
         ways=np.zeros(m),
         turns=np.zeros(count),
@@ -394,11 +394,3 @@ def _axes_along_z(model: ChainModel) -> tuple[np.ndarray, np.ndarray]:
     ends = [(link.joint, link.start, link.end) for link in model.links]
     ends.append((hand.joint, hand.point, hand.axis))
     return np.array(rows), np.array([np.ravel(np.array([p, q]) @ turned[k]) for k, p, q in ends])
-
-
-def _balls(ends: np.ndarray, radii: np.ndarray) -> np.ndarray:
-    """Return balls about links (m, 4): centres, not yet known, and radii."""
-    balls = np.zeros((len(ends), 4))
-    # rounded up, as a link must not stick out
-    balls[:, 3] = (0.5 * np.linalg.norm(ends[:, 3:] - ends[:, :3], axis=1) + radii) * (1.0 + 1e-9)
-    return balls

@@ -65,3 +65,11 @@ def near_links(balls, ways, x, y, z, far, near):
         if most >= 0.0 and u * u + v * v + w * w <= most * most:
             count += 1
     return count
+
+
+def balls_about(ends: np.ndarray, radii: np.ndarray) -> np.ndarray:
+    """Return balls about links (m, 4): centres, not yet known, and radii."""
+    balls = np.zeros((len(ends), 4))
+    # rounded up, as a link must not stick out
+    balls[:, 3] = (0.5 * np.linalg.norm(ends[:, 3:] - ends[:, :3], axis=1) + radii) * (1.0 + 1e-9)
+    return balls
