@@ -17,10 +17,10 @@ from gcm_learn.families.paper import (
 )
 from gcm_learn.families.piece_family import Sizes as Sizes
 from gcm_learn.families.pieces import SpaceRanges as SpaceRanges
+from gcm_learn.families.presets import PRESETS as PRESETS
 from gcm_learn.families.random_planar import random_planar as random_planar
 from gcm_learn.families.random_solid import random_solid as random_solid
 from gcm_learn.families.registry import (
-    PRESETS as PRESETS,
     draw as draw,
     family_from_dict as family_from_dict,
     family_names as family_names,

@@ -6,7 +6,7 @@ import dataclasses
 import functools
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, TypeVar
 
 from gcm_learn import seeding
 from gcm_learn.checks import show
@@ -21,6 +21,7 @@ from gcm_learn.families.chain.walls import GateChain, WindowChain
 from gcm_learn.families.family import Family
 from gcm_learn.families.gate import Gate, GateSolid
 from gcm_learn.families.pendulum import PendulumFamily
+from gcm_learn.families.presets import PRESETS
 from gcm_learn.families.random_planar import RandomPlanar
 from gcm_learn.families.random_solid import RandomSolid
 from gcm_learn.families.ranges import Ranges
@@ -36,82 +37,6 @@ from gcm_learn.families.space.flights import (
 from gcm_learn.families.space.pendulum import PendulumSpace
 from gcm_learn.families.space.walls import DoorSpace, WindowSpace
 from gcm_learn.situation import AnySituation, JsonTextError, RepeatedField, line_of, parse
-
-Config = Mapping[str, Any]
-
-
-class Preset(NamedTuple):
-    """Configurations of families that take turns."""
-
-    summary: str
-    """Description in one line."""
-    families: tuple[Config, ...]
-    """As `family_from_dict` reads them; item k is drawn from number k modulo their count."""
-
-
-_PANDA = {"model": "panda", "floor_height": [0.014, 0.014]}
-_ACCELERATIONS = [15.0, 7.5, 10.0, 12.5, 15.0, 20.0, 20.0]  # [rad/s^2]
-_LIMITED_PANDA = {**_PANDA, "accelerations": _ACCELERATIONS}
-_LIMITED = {"human": 0.3, "nao": 0.3, "ramp": [0.03, 0.15], "horizon": [1.6, 2.8]}
-_COMMON = {"target": [0.007, 0.007], "when": [0.5, 0.95]}
-_EASY = {**_COMMON, "takes": [0.15, 0.6], "directed": 0.0}
-_CROWDED = {**_COMMON, "takes": [0.3, 0.8], "directed": 1.0}
-_THROW = {"level": [0.5, 1.4], "rise": [-1.0, 0.7], "speed": [0.2, 1.0]}
-_EASY_RANGES: dict[str, Config] = {
-    "throw-chain": {**_THROW, "strays": [3, 6], "resting": [0, 2]},
-    "conveyor-chain": {
-        "parts": [1, 1], "posts": [5, 5], "gap": [0.078, 0.11], "strays": [0, 1],
-    },
-    "window-chain": {"opening": [0.12, 0.15], "strays": [0, 0]},
-    "pendulum-chain": {"cords": 0.0, "boxes": [2, 2], "heavy": [1, 3], "strays": [0, 0]},
-    "swarm-chain": {"strays": [6, 10]},
-    "shelf-chain": {
-        "depth": [0.12, 0.16], "wide": [0.12, 0.18], "high": [0.11, 0.13], "doors": 0.2,
-        "strays": [0, 1],
-    },
-}  # fmt: skip
-_CROWDED_RANGES: dict[str, Config] = {
-    "throw-chain": {**_THROW, "strays": [6, 10], "resting": [1, 3]},
-    "conveyor-chain": {
-        "parts": [1, 1], "posts": [7, 7], "gap": [0.078, 0.085], "strays": [1, 2],
-    },
-    "window-chain": {"opening": [0.08, 0.1], "strays": [3, 3]},
-    "pendulum-chain": {"cords": 0.0, "boxes": [4, 4], "heavy": [4, 7], "strays": [0, 0]},
-    "swarm-chain": {"strays": [10, 15]},
-    "shelf-chain": {
-        "depth": [0.1, 0.15], "wide": [0.1, 0.135], "high": [0.082, 0.108], "doors": 0.8,
-        "strays": [1, 2],
-    },
-}  # fmt: skip
-
-
-def _sixths(common: Config, ranges: Mapping[str, Config], arm: Config) -> tuple[Config, ...]:
-    return tuple({"family": name, **common, **own, "arm": arm} for name, own in ranges.items())
-
-
-PRESETS: dict[str, Preset] = {
-    "panda-easy": Preset(
-        "a Panda before few bodies, six families in turns", _sixths(_EASY, _EASY_RANGES, _PANDA)
-    ),
-    "panda-crowded": Preset(
-        "a Panda before many bodies, six families in turns, approaches prescribed",
-        _sixths(_CROWDED, _CROWDED_RANGES, _PANDA),
-    ),
-    "panda-crowded-accelerated": Preset(
-        "the same as panda-crowded, with limits of the joints' accelerations",
-        _sixths(_CROWDED, _CROWDED_RANGES, _LIMITED_PANDA),
-    ),
-    "space-sequences": Preset(
-        "several balls fly by arms of four joints, with limits of the joints' accelerations",
-        ({"family": "sequence-space", "arm": _LIMITED},),
-    ),
-    "panda-sequences": Preset(
-        "several balls drift by a Panda, with limits of the joints' accelerations",
-        ({"family": "sequence-chain", "arm": {**_LIMITED_PANDA, "horizon": [1.6, 2.8]}},),
-    ),
-}
-"""Presets by name."""
-
 
 _Record = TypeVar("_Record", bound=Ranges)
 
@@ -157,7 +82,7 @@ def with_arm(family: Family, model: str) -> Family:
     if family.kind != "chain":
         raise FamilyError("arm", f"{family.name} is for {family.kind} arms, an arm file is a chain")
     chain: Any = family
-    arm = dataclasses.replace(chain.arm, model=model, accelerations=())
+    arm = dataclasses.replace(chain.arm, model=model, accelerations=(), jerks=())
     return dataclasses.replace(chain, arm=arm)
 
 

@@ -42,7 +42,8 @@ def told(family, seed, index):
 def test_a_posture_meets_the_target_in_time_and_is_free_there(name, limits):
     family = of_arm(name, accelerations=limits)
     for k in range(4):
-        situation, stage, (way, _, _) = told(family, 5, k)
+        situation, stage, story = told(family, 5, k)
+        way = story.way
         arm = situation.arm
         assert arm.joints == tuple(way.start) and 0.0 < way.when <= situation.horizon
         quick, real = stage.takes(way.start, way.end)
@@ -151,11 +152,14 @@ def test_presets_draw_their_families_in_turns(name):
         assert situation.name == f"{name}-{k:07d}-{family.name}"
         own = family.draw(seeding.rng(7, k), situation.name)
         assert own == situation
-        assert name.startswith("space") or situation.arm.model == shipped_arm("panda")
+        robot, _, _ = name.partition("-")
+        assert robot == "space" or situation.arm.model == shipped_arm(robot)
         directed = all(target.approach for target in situation.targets)
-        assert directed == name.startswith("panda-crowded")
+        assert directed == (family.kind == "chain" and family.directed == 1.0)
         assert situation.catch == ("most" if name.endswith("sequences") else "any")
+        held = [target.hold is not None for target in situation.targets]
+        assert held == [family.holds.share == 1.0] * len(held)
     limited = drawn[0].arm.max_joint_acceleration is not None
-    assert limited == name.endswith(("accelerated", "sequences"))
+    assert limited == (family.holds.share == 1.0 or name.endswith(("accelerated", "sequences")))
     with pytest.raises(UnknownNameError, match="preset"):
         families.preset_families("panda-hard")

@@ -178,6 +178,8 @@ BAD = [
             ({"arm": {"model": 3}}, "arm.model: must be str"),
             ({"arm": {"accelerations": [1.0, 2.0]}}, "arm.accelerations: must have 7 limits"),
             ({"arm": {"accelerations": [0.0] * 7}}, "arm.accelerations[0]: must be at least 1e-09"),
+            ({"arm": {"jerks": [1.0, 2.0]}}, "arm.jerks: must have 7 limits"),
+            ({"holds": {"seconds": [-0.1, 0.2]}}, "holds.seconds: must be at least 0 (got -0.1)"),
             ({"arm": {"accelerations": 3}}, "arm.accelerations: must be a list of numbers"),
             ({"arm": {"colour": 1}}, "arm.colour: is not a known field"),
             ({"takes": [0.5, 0.2]}, "takes: low 0.5 is above high 0.2"),

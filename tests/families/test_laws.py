@@ -8,12 +8,13 @@ import pytest
 
 from gcm_learn import seeding, situation as records
 from gcm_learn.arms import Arm
-from gcm_learn.families import draw, family_names, get_family, layout
+from gcm_learn.families import PRESETS, draw, family_names, get_family, layout, preset_families
 from gcm_learn.families.pieces import UPRIGHT, PlanarPiece, SpaceRanges, planar_body, solid_body
 from gcm_learn.motion.rules import start_clearance
 from gcm_learn.planners import get_planner
 from gcm_learn.scene.bodies import TOP_SPEED
 from gcm_learn.scene.packing import pack, pack_bodies, pose
+from tests.judging import judge
 from tests.worlds import disc, solid_ball
 
 PLANNERS = [get_planner(name) for name in ("straight", "marching", "search")]
@@ -283,3 +284,101 @@ def test_no_family_is_trivial_or_hopeless(name, count, most, least):
         assert shares["L"] <= most and shares["W"] + shares["Q"] >= least
     if name.startswith(("gate", "door", "window")) or name in LATE:
         assert shares["Q"] >= 0.1
+
+
+HELD = [name for name in PRESETS if preset_families(name)[0].holds.share]
+OVER = 0.7  # s after the horizon, in which holds go on
+
+
+def place_of(situation, name, t):
+    """Return place and axes of a body by its name at a time."""
+    names = [body.name for body in situation.bodies]
+    return pose(replace(situation, horizon=situation.horizon + OVER), names.index(name), t)
+
+
+@pytest.mark.parametrize("name", HELD)
+def test_what_is_held_ends_at_rest_and_only_movers_have_margins(name):
+    for k in range(8):
+        situation, holds = draw(name, 3, k), preset_families(name)[0].holds
+        unit = math.hypot(*situation.arm.forearm) if situation.is_spatial else situation.arm.reach
+        assert situation.end == "rest" and situation.format.endswith("@4")
+        for target in situation.targets:
+            assert holds.seconds[0] <= target.hold.seconds <= holds.seconds[1]
+            low, high = np.array(holds.relative_speed) * unit
+            assert low <= target.hold.relative_speed <= high
+        for body in situation.obstacles:
+            name_ = body.name
+            first, last = (place_of(situation, name_, t) for t in (0.0, 0.3))
+            rests = all(np.array_equal(a, b) for a, b in zip(first, last, strict=True))
+            assert body.margin is None or not rests
+            assert rests or (body.margin is not None) == (holds.growth[1] > 0.0)
+
+
+def test_a_part_on_a_turntable_goes_round_and_on_after_the_horizon():
+    for k in range(5):
+        situation = draw("panda-turntable", 4, k)
+        middle, _ = place_of(situation, "turntable", 0.0)
+        times = np.linspace(0.0, situation.horizon + OVER, 40)
+        out = np.array([place_of(situation, "target", t)[0] for t in times]) - middle
+        turned = np.unwrap(np.arctan2(out[:, 1], out[:, 0]))
+        rate = turned[1] / times[1] - turned[0] / times[1]
+        np.testing.assert_allclose(turned, turned[0] + rate * times, atol=1e-6)
+        np.testing.assert_allclose(np.hypot(*out[:, :2].T), np.hypot(*out[0, :2]), rtol=1e-6)
+        np.testing.assert_allclose(out[:, 2], out[0, 2], atol=1e-9)
+        assert 0.5 <= abs(rate) <= 3.0
+
+
+def test_a_giver_goes_on_as_one_with_what_it_holds_out():
+    for k in range(5):
+        situation = draw("panda-handover", 4, k)
+        giver = ("target", "finger 1", "finger 2", "palm", "forearm")
+        ends = situation.horizon + np.array([0.0, OVER])
+        moved = [np.subtract(*(place_of(situation, n, t)[0] for t in ends)) / -OVER for n in giver]
+        np.testing.assert_allclose(moved, moved[:1] * 5, atol=1e-9)
+        assert 0.05 <= np.linalg.norm(moved[0]) / situation.arm.reach <= 0.2
+
+
+@pytest.mark.parametrize("name", ["panda-belt", "panda-bin", "ur5-belt"])
+def test_places_are_over_the_middle_of_a_bin(name):
+    placed = 0
+    for k in range(6):
+        situation = draw(name, 5, k)
+        target = situation.targets[0]
+        if target.place is None:
+            continue
+        placed += 1
+        bottom, axes = place_of(situation, "bin bottom", 0.0)
+        walls = [body for body in situation.bodies if body.name.startswith("bin wall")]
+        rims = [w.motion.position[2] + w.shape.half_extents[2] for w in walls]
+        off = axes.T @ (np.array(target.place.position) - bottom)
+        np.testing.assert_allclose(off[:2], 0.0, atol=1e-9)
+        assert len(walls) == 4 and target.place.position[2] > max(rims)
+        assert set(target.ignore) <= {"belt", "bottom"}
+    assert placed >= 4
+
+
+@pytest.mark.parametrize("name", ["panda-belt", "ur5-belt"])
+def test_boxes_lie_on_their_belt(name):
+    for k in range(5):
+        situation = draw(name, 6, k)
+        belt = next((body for body in situation.bodies if body.name == "belt"), None)
+        if belt is not None:
+            part = situation.targets[0]
+            bottom = part.motion.position[2] - part.shape.half_extents[2]
+            assert bottom == pytest.approx(belt.motion.position[2] + belt.shape.half_extents[2])
+            _, axes = place_of(situation, "belt", 0.0)
+            assert abs((axes.T @ part.motion.velocity)[1:]).max() < 1e-9
+
+
+def test_a_pick_from_a_drawer_keeps_its_promise():
+    plans = [(s, PLANNERS[2].plan(s)) for s in (draw("panda-bin", 1, k) for k in (0, 2, 4))]
+    assert sum(plan.placed is not None for _, plan in plans) >= 2
+    assert [judge(*pair) for pair in plans] == [[]] * 3
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", HELD)
+def test_no_preset_of_holds_is_trivial_or_hopeless_and_all_promises_are_kept(name):
+    plans = [(s, PLANNERS[2].plan(s)) for s in (draw(name, 1, k) for k in range(40))]
+    assert 12 <= sum(plan.caught for _, plan in plans) <= 38
+    assert not any(judge(*pair) for pair in plans)

@@ -7,11 +7,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from gcm_learn.arms import quaternion_of
 from gcm_learn.families import ranges
 from gcm_learn.families.chain.family import ChainFamily, Story, level
-from gcm_learn.families.chain.motions import circling
+from gcm_learn.families.chain.motions import circling, orbiting
 from gcm_learn.families.chain.stage import Stage, Way
-from gcm_learn.families.space.solids import UP, axes_along, crossed, solid
+from gcm_learn.families.space.solids import UP, axes_along, crossed, flight, solid, triple
 from gcm_learn.situation import Body, Box, Capsule, Cylinder, Sphere
 
 STEEP = 0.35  # height of directions from which parts are picked: at most a little upwards
@@ -37,6 +38,8 @@ class ConveyorChain(ChainFamily):
     """Direction of the belt, from across the way out [rad]."""
     parts: ranges.Counts = ranges.counts(1, 3, 1)
     """Number of targets; all or most of several are to be caught."""
+    sides: ranges.Range = ranges.span(0.0, 0.0)
+    """Half the sides of parts that are boxes and lie on the belt; balls at 0 [reaches]."""
     spacing: ranges.Range = ranges.span(0.08, 0.2, 0.01)
     """Between things on the belt [reaches]."""
     boxes: ranges.Counts = ranges.counts(1, 3)
@@ -62,10 +65,22 @@ class ConveyorChain(ChainFamily):
         axes, pace = axes_along(UP, along), ranges.pick_sign(rng) * stage.size(rng, self.pace)
         course = pace * axes[:, 0]
         parts = self._parts(rng, stage, way, course)
-        goods = self._boxes(rng, stage, way, axes, course)
+        lying = self._lying(rng, stage)
+        if lying is not None:
+            turn = quaternion_of(axes)
+            laws = (replace(flight(part), orientation=turn) for part in parts)
+            parts = [replace(p, shape=lying, motion=m) for p, m in zip(parts, laws, strict=True)]
+        goods = self._boxes(rng, stage, way, axes, course, lying)
         catch = "any" if len(parts) == 1 else ranges.choose(rng, ("all", "most"))
         posts = self._posts(rng, stage, way, axes, out)
-        return Story(way, (*parts, *goods, *posts), catch)
+        under = () if lying is None else ("belt",)
+        return Story(way, (*parts, *goods, *posts), catch, under)
+
+    def _lying(self, rng: np.random.Generator, stage: Stage) -> Box | None:
+        """Draw the box that all parts are, if they are boxes."""
+        if self.sides[1] == 0.0:
+            return None
+        return Box(triple([stage.size(rng, self.sides) for _ in range(3)]))
 
     def _parts(
         self, rng: np.random.Generator, stage: Stage, way: Way, course: np.ndarray
@@ -80,12 +95,18 @@ class ConveyorChain(ChainFamily):
         return parts
 
     def _boxes(
-        self, rng: np.random.Generator, stage: Stage, way: Way, axes: np.ndarray, course: np.ndarray
+        self,
+        rng: np.random.Generator,
+        stage: Stage,
+        way: Way,
+        axes: np.ndarray,
+        course: np.ndarray,
+        lying: Box | None,
     ) -> list[Body]:
         """The belt and the boxes on it, before and after the meeting's place."""
         reach = stage.arm.reach
-        low = 0.07 * reach
         belt = Box((0.42 * reach, 0.056 * reach, 0.014 * reach))
+        low = 0.07 * reach if lying is None else lying.half_extents[2] + belt.half_extents[2]
         bodies = [solid("belt", belt, way.meet - low * UP, axes)]
         for k in range(ranges.pick_count(rng, self.boxes)):
             x, y, z = (stage.size(rng, self.box) for _ in range(3))
@@ -148,10 +169,11 @@ class TurntableChain(ChainFamily):
         low, thin = 0.05 * reach, 0.012 * reach
         part = solid("target", Sphere(stage.size(rng, self.target)), way.meet)
         table = Cylinder(1.4 * radius, thin)
-        bodies = [
-            circling(part, middle, rate, way.when, stage.horizon),
-            solid("turntable", table, middle - low * UP),
-        ]
+        if self.holds.share > 0.0:  # samples end at the horizon, holds may go on
+            part = orbiting(part, middle, rate, way.when)
+        else:
+            part = circling(part, middle, rate, way.when, stage.horizon)
+        bodies = [part, solid("turntable", table, middle - low * UP)]
         foot = middle - low * UP
         for k in range(ranges.pick_count(rng, self.pegs)):
             there = angle + rng.uniform(0.7, 2.0 * math.pi - 0.7)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from gcm_learn.families.chain.bins import DOWN, THIN, open_box
 from gcm_learn.families.chain.family import ChainFamily, Story, level
 from gcm_learn.families.chain.motions import shifted, sliding, staged
 from gcm_learn.families.chain.stage import Stage, Way
@@ -13,10 +14,7 @@ from gcm_learn.families.ranges import Range, number, pick, pick_sign, span
 from gcm_learn.families.space.solids import UP, axes_along, solid
 from gcm_learn.situation import Body, Box
 
-THIN = 0.0085  # half the thickness of boards [reaches]
 LEVEL = 0.7  # height of directions that reach into a shelf, at most
-DOWN = -0.4  # height of directions that reach into a drawer, at most
-SIDES = ((0, 1.0), (0, -1.0), (1, 1.0), (1, -1.0))
 
 
 @dataclass(frozen=True)
@@ -118,19 +116,13 @@ class DrawerChain(ChainFamily):
         tall = 0.5 * stage.size(rng, self.deep)
         bottom = way.meet - stage.size(rng, self.low) * UP
         bottom = bottom + axes @ (0.3 * x * rng.uniform(-1, 1), 0.3 * y * rng.uniform(-1, 1), 0.0)
-        drawer = [solid("bottom", Box((x, y, thin)), bottom, axes)]
-        for k, side in SIDES:
-            size = [x, y, tall]
-            size[k] = thin
-            place = bottom + side * (x, y)[k] * axes[:, k] + tall * UP
-            name = f"wall {len(drawer)}"
-            drawer.append(solid(name, Box((size[0], size[1], size[2])), place, axes))
+        drawer = open_box("", bottom, axes, (x, y, tall), thin)
         part = self.ball(rng, stage, way.meet, 0.0)
         by = 2.0 * (x + 2.0 * thin) * axes[:, 0]
         begins, ends = pick(rng, self.begins) * way.when, pick(rng, self.opened) * way.when
         moving = [sliding(shifted(body, -by), begins, ends, by) for body in (part, *drawer)]
         cabinet = _cabinet(bottom - by, axes, (x, y, tall), thin)
-        return Story(way, (*moving, *cabinet))
+        return Story(way, (*moving, *cabinet), under=("bottom",))
 
 
 def _cabinet(

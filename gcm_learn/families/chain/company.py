@@ -9,7 +9,7 @@ import numpy as np
 
 from gcm_learn.arms import Base, hands_along
 from gcm_learn.families.chain.family import ChainFamily, Story, facing, on_the_way
-from gcm_learn.families.chain.motions import arriving
+from gcm_learn.families.chain.motions import arriving, shifted
 from gcm_learn.families.chain.stage import Stage, Way
 from gcm_learn.families.layout import TRIES
 from gcm_learn.families.ranges import Range, number, pick, pick_angle, span
@@ -85,14 +85,18 @@ class HandoverChain(ChainFamily):
     """From the part to the palm [reaches]."""
     forearm: Range = span(0.1, 0.25, 0.01)
     """Half the length of the giver's forearm [reaches]."""
+    drift: Range = span(0.0, 0.0)
+    """Speed with which the giver goes straight on then [reaches/s]."""
 
     def story(self, rng: np.random.Generator, stage: Stage) -> Story:
         """A part, two fingers, a palm and a forearm, which move as one."""
         way, reach = self.way(rng, stage), stage.arm.reach
-        course = stage.size(rng, self.brought) * unit_vector(rng.normal(size=3))
+        speed, ahead = stage.size(rng, self.brought), unit_vector(rng.normal(size=3))
         held = pick(rng, self.arrives) * way.when
         bodies = (self.ball(rng, stage, way.meet, 0.0), *self._giver(rng, stage, way, reach))
-        return Story(way, tuple(arriving(body, held, course) for body in bodies))
+        drift = stage.size(rng, self.drift) * ahead + 0.0  # no negative zeros
+        there = (shifted(body, (held - way.when) * drift) for body in bodies)
+        return Story(way, tuple(arriving(body, held, speed * ahead, drift) for body in there))
 
     def _giver(
         self, rng: np.random.Generator, stage: Stage, way: Way, reach: float

@@ -16,8 +16,10 @@ from gcm_learn.arms import Chain, ChainModel
 from gcm_learn.checks import show
 from gcm_learn.errors import FamilyError, FileFormatError, SituationError
 from gcm_learn.families import ranges
+from gcm_learn.families.chain.bins import Bins
 from gcm_learn.families.chain.stage import Stage, Way, stage_of
 from gcm_learn.families.family import TINY, Family
+from gcm_learn.families.holds import Holds
 from gcm_learn.families.layout import TRIES
 from gcm_learn.families.paper import EARTH
 from gcm_learn.families.space.solids import axes_along, solid, triple, unit_vector
@@ -66,6 +68,8 @@ class ChainArmRanges(ranges.Ranges):
     """Limit of the hand's speed [reaches/s]; at 0 nothing limits it."""
     accelerations: tuple[float, ...] = ranges.positives()
     """Limits of the joints' accelerations; the model's when empty [rad/s^2 or lengths/s^2]."""
+    jerks: tuple[float, ...] = ranges.positives()
+    """Limits of their jerk, which count where targets are held; the model's when empty."""
     moving: float = ranges.number(0.0, most=0.99)
     """Largest rate of a joint at t = 0 where accelerations are limited [of its full speed]."""
     floor: float = ranges.number(1.0)
@@ -77,9 +81,11 @@ class ChainArmRanges(ranges.Ranges):
         """Check the fields, the model and the number of limits."""
         super().__post_init__()
         dof = model_of(self.model).dof
-        if self.accelerations and len(self.accelerations) != dof:
-            reason = f"must have {dof} limits, one for each joint (got {show(self.accelerations)})"
-            raise FamilyError("accelerations", reason)
+        for name in ("accelerations", "jerks"):
+            limits = getattr(self, name)
+            if limits and len(limits) != dof:
+                reason = f"must have {dof} limits, one for each joint (got {show(limits)})"
+                raise FamilyError(name, reason)
 
     @property
     def gravity(self) -> float:
@@ -93,6 +99,8 @@ class ChainArmRanges(ranges.Ranges):
         given: dict[str, Any] = {}
         if self.accelerations:
             given["max_joint_acceleration"] = self.accelerations
+        if self.jerks:
+            given["max_joint_jerk"] = self.jerks
         arm = Chain(model, middle, 0.0, **given)
         speed = ranges.pick(rng, self.hand_speed) * arm.reach
         return Chain(
@@ -125,6 +133,8 @@ class Story(NamedTuple):
     """Targets and obstacles, without the floor [the arm's unit]."""
     catch: str = "any"
     """Targets to be caught: any, all or most."""
+    under: tuple[str, ...] = ()
+    """Obstacles on which targets lie."""
 
 
 @dataclass(frozen=True)
@@ -154,6 +164,8 @@ class ChainFamily(Family):
     """Radius of these balls [reaches]."""
     speed: ranges.Range = ranges.span(0.2, 0.8)
     """Their speed [reaches/s]."""
+    holds: Holds = field(default_factory=Holds)
+    bins: Bins = field(default_factory=Bins)
 
     def sketch(self, rng: np.random.Generator, name: str) -> Situation[Chain]:
         """Draw once."""
@@ -175,7 +187,12 @@ class ChainFamily(Family):
         start: Any = tuple(way.start.tolist())
         arm = replace(stage.arm, joints=start, joint_rates=self.arm.rates(rng, stage.arm))
         situation = Situation(name, horizon, arm, bodies, catch=story.catch)
-        return self._directed(rng, situation, way) if directed else situation
+        situation = self._directed(rng, situation, way) if directed else situation
+        situation = self.holds.ask(rng, situation, arm.reach)
+        held = situation.targets[0].hold is not None
+        if held and rng.random() < self.bins.share:
+            situation = self.bins.ask(rng, stage, way, situation, story.under)
+        return situation
 
     @abstractmethod
     def story(self, rng: np.random.Generator, stage: Stage) -> Story:

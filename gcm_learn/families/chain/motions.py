@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from gcm_learn.arms import quaternion_of, rotation_of
-from gcm_learn.families.space.solids import STILL, flight, triple
-from gcm_learn.situation import Body, Piece, Piecewise, Sampled, SolidQuadratic
+from gcm_learn.families.space.solids import STILL, UP, flight, triple
+from gcm_learn.situation import Body, Pendulum, Piece, Piecewise, Sampled, SolidQuadratic
 
 STEP = 0.1  # turn between samples of a circle, at most [rad]
 
@@ -49,10 +49,40 @@ def sliding(body: Body, begins: float, ends: float, by: np.ndarray) -> Body:
     return staged(body, [(0.0, STILL, STILL), (begins, rate, STILL), (ends, STILL, STILL)])
 
 
-def arriving(body: Body, when: float, velocity: np.ndarray) -> Body:
-    """A body that slows down evenly from a velocity (3,) and rests at its place from a time on."""
-    first = shifted(body, -0.5 * velocity * when)
-    return staged(first, [(0.0, velocity, -velocity / when), (when, STILL, STILL)])
+def arriving(body: Body, when: float, velocity: np.ndarray, drift: np.ndarray = STILL) -> Body:
+    """A body that slows down evenly until it is at its place at a time, and then drifts.
+
+    Parameters
+    ----------
+    body : Body
+        At rest.
+    when : float
+        [s]
+    velocity, drift : (3,) ndarray
+        At t = 0, and from that time on.
+    """
+    first = shifted(body, -0.5 * (velocity + drift) * when)
+    return staged(first, [(0.0, velocity, (drift - velocity) / when), (when, drift, STILL)])
+
+
+def orbiting(body: Body, middle: np.ndarray, rate: float, when: float) -> Body:
+    """A ball on a turntable, at its place at a time, by an exact law that has no end.
+
+    Parameters
+    ----------
+    body : Body
+        At rest, at the height of `middle`.
+    middle : (3,) ndarray
+        On the turntable's axis.
+    rate, when : float
+        [rad/s, s]
+    """
+    out = np.array(flight(body).position) - middle
+    radius = float(np.linalg.norm(out))
+    swing = Pendulum(
+        triple(middle), triple(UP), triple(out / radius), radius, 0.0, -rate * when, rate
+    )
+    return replace(body, motion=swing)
 
 
 def circling(body: Body, middle: np.ndarray, rate: float, when: float, horizon: float) -> Body:

@@ -11,6 +11,7 @@ import numpy as np
 
 from gcm_learn.arms import SpatialArm
 from gcm_learn.families.family import TINY, Family
+from gcm_learn.families.holds import Holds
 from gcm_learn.families.layout import TRIES
 from gcm_learn.families.ranges import Range, Ranges, number, pick, pick_angle, span
 from gcm_learn.families.space import solids
@@ -83,6 +84,7 @@ class SpatialFamily(Family):
     """Share of situations in which the straight way may be free from the start."""
     target: Range = span(0.1, 0.28, TINY)
     """Radius of the target [forearms]."""
+    holds: Holds = field(default_factory=Holds)
 
     def sketch(self, rng: np.random.Generator, name: str) -> Situation[SpatialArm]:
         """Draw once, the limb free or not."""
@@ -95,7 +97,8 @@ class SpatialFamily(Family):
             if worth_planning(rng, stage, story, easy):
                 break
         stage = stage._replace(horizon=min(story.until or horizon, horizon))
-        return stage.situation(rng, name, story.way.start, story.bodies, limits)
+        situation = stage.situation(rng, name, story.way.start, story.bodies, limits)
+        return self.holds.ask(rng, situation, build.unit)
 
     @abstractmethod
     def story(self, rng: np.random.Generator, stage: SpaceStage) -> SpaceStory:
