@@ -207,7 +207,7 @@ class SpatialCase(BaseCase):
 
     def _begin(self) -> planners.Plan | None:
         self.problem = planners.JointProblem(self.situation, "case")
-        return self.problem.early_answer(keeps_acceleration=True)
+        return self.problem.early_answer(keeps_acceleration=True, keeps_ends=True)
 
     def _caught_straight(self) -> bool:
         """Return whether a straight line to any interception catches."""
@@ -220,7 +220,7 @@ class SpatialCase(BaseCase):
     def _caught_without_waiting(self) -> bool:
         """Return whether the persistent planner needs no rest for its catch."""
         plan = self.plan(self.spec.persistent)
-        if plan.trajectory is None or not plan.trajectory.rests:
+        if plan.trajectory is None or not plan.trajectory.until(plan.catch_time).rests:  # type: ignore[arg-type]
             return plan.caught
         return planners.without_waits(self.problem, plan) is not None
 

@@ -126,16 +126,24 @@ def plan_cell(kind: Kind, plan: Plan) -> dict[str, Any]:
 
 def _catches(plan: Plan) -> dict[str, Any]:
     """Return the cells of all catches, in order of time."""
-    columns = {"caught_bodies": "body", "caught_times": "time"}
-    return {name: [one[key] for one in plan.catches] for name, key in columns.items()}
+    columns = {"caught_bodies": "body", "caught_times": "time", "placed_times": "placed"}
+    return {name: [one.get(key) for one in plan.catches] for name, key in columns.items()}
 
 
-def _on_the_way(cells: Mapping[str, Any]) -> tuple[Catch, ...]:
-    """Return the catches before the last one."""
-    if cells.get("caught_bodies") is None:
-        return ()
-    pairs = zip(cells["caught_bodies"], cells["caught_times"], strict=True)
-    return tuple(Catch(str(body), float(time)) for body, time in pairs)[:-1]
+def _caught(situation: AnySituation, cells: Mapping[str, Any]) -> list[Catch]:
+    """Return all catches in order of time; only those of chains are listed, and have places."""
+    bodies, times = ([cells[name]] for name in ("catch_body", "catch_time"))
+    if cells.get("caught_bodies") is not None:
+        bodies, times = cells["caught_bodies"], cells["caught_times"]
+    placed = cells.get("placed_times")
+    placed = [None] * len(bodies) if placed is None else placed
+    holds = {target.name: target.hold for target in situation.targets}
+    found = []
+    for body, time, when in zip(bodies, map(float, times), placed, strict=True):
+        until = None if (hold := holds.get(body)) is None else time + hold.seconds
+        gone = None if when is None or math.isnan(when) else float(when)
+        found.append(Catch(str(body), time, until, gone))
+    return found
 
 
 def plan_of(situation: AnySituation, planner: str, cells: Mapping[str, Any]) -> Plan:
@@ -144,6 +152,7 @@ def plan_of(situation: AnySituation, planner: str, cells: Mapping[str, Any]) -> 
     if cells["time"] is not None:
         path = RECORDS.of(situation).path(situation.arm, cells)
         clearance = math.inf if clearance is None else clearance
+    caught = _caught(situation, cells) if cells["catch_body"] is not None else []
     return Plan(
         name=situation.name,
         planner=planner,
@@ -155,7 +164,9 @@ def plan_of(situation: AnySituation, planner: str, cells: Mapping[str, Any]) -> 
         catch_body=cells["catch_body"],
         clearance=clearance,
         trajectory=path,
-        on_the_way=_on_the_way(cells),
+        on_the_way=tuple(caught[:-1]),
+        held_until=caught[-1].held_until if caught else None,
+        placed=caught[-1].placed if caught else None,
         format=situation.format,
     )
 

@@ -93,8 +93,18 @@ def _distance(body: Body) -> float:
 def _kind(body: Body) -> str:
     shape = body.shape
     corners = len(entry_of(shape).vertices(shape)) or ""
-    approach = "<" * len(body.approach)
-    return f"{shape.kind}{corners}{_law(body.motion)}{approach}"
+    asked = "<" * len(body.approach) + "".join(s for s, given in _asked(body).items() if given)
+    return f"{shape.kind}{corners}{_law(body.motion)}{asked}"
+
+
+def _asked(body: Body) -> dict[str, tuple[float, ...]]:
+    """Return the numbers of hold, place and margin [s, lengths, lengths/s], by a sign of each."""
+    hold, place, margin = body.hold, body.place, body.margin
+    return {
+        "=": (hold.seconds, hold.relative_speed) if hold else (),
+        "@": (*place.position, place.within) if place else (),
+        "%": (margin.now, margin.rate) if margin else (),
+    }
 
 
 def _law(motion: Motion) -> str:
@@ -126,7 +136,7 @@ def _motion_numbers(body: Body, horizon: float) -> list[float]:
         numbers = _flight_numbers(body, motion, horizon)
     for approach in body.approach:
         numbers += [radius * x for x in (*approach.axis, approach.within)]
-    return numbers
+    return numbers + [x for asked in _asked(body).values() for x in asked]
 
 
 def _swing_numbers(motion: Pendulum, horizon: float) -> list[float]:

@@ -35,6 +35,7 @@ CHAIN_PLAN = pa.struct(
         *JOINT_PLAN,
         pa.field("caught_bodies", pa.list_(WORD)),
         pa.field("caught_times", pa.list_(NUMBER)),
+        pa.field("placed_times", pa.list_(NUMBER)),
     ]
 )
 MAP: Types = {

@@ -7,8 +7,6 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
 
-import numpy as np
-
 from gcm_learn.dataset.folder import Folder
 from gcm_learn.dataset.generation import crew_for
 from gcm_learn.dataset.item import make_item, warmed
@@ -19,9 +17,8 @@ from gcm_learn.dataset.shards import code_version, info_of, shard_name
 from gcm_learn.dataset.spec import DatasetSpec
 from gcm_learn.dataset.splits import lot_of
 from gcm_learn.errors import DatasetError, GcmError
-from gcm_learn.motion import Movement, rules_of, verify
+from gcm_learn.planners import broken_promise
 from gcm_learn.processes import cores
-from gcm_learn.scene import pack
 
 MOST_FAULTS = 20  # that a report quotes
 REMAKE = 2  # salt of the lot that decides which item of a shard is made again
@@ -123,36 +120,12 @@ def _checked(record: Record, name: str) -> DatasetReport:
 
 
 def _broken_plans(record: Record) -> Iterator[str]:
-    situation = record.situation
-    scene, names = pack(situation), [body.name for body in situation.bodies]
-    rules = rules_of(scene)
     for name, plan in record.plans.items():
-        if not plan.caught:
-            continue
-        if plan.trajectory is None or plan.catch_body not in names:
-            yield f"the plan of {name} is not whole"
-            continue
-        catches = [(one.body, _until(plan.trajectory, one.time)) for one in plan.on_the_way]
-        for body, moves in (*catches, (plan.catch_body, plan.trajectory)):
-            if body not in names or moves is None:
-                yield f"the plan of {name} does not stop at its catch of {body!r}"
-                continue
-            verdict = verify(scene, rules, moves, names.index(body))
-            if not verdict.good:
-                yield f"the plan of {name} does not hold: {verdict.reason}"
-        if plan.catch_time != plan.trajectory.duration:
-            yield f"the plan of {name} does not end at its catch time"
+        fault = broken_promise(record.situation, plan)
+        if fault is not None:
+            yield f"the plan of {name} does not hold: {fault}"
     if record.stratum == "U" and any(plan.caught for plan in record.plans.values()):
         yield "the stratum is U, but there is a catch"
-
-
-def _until(moves: Movement, time: float) -> Movement | None:
-    """The part of a movement up to a sample's time [s], or None for another time."""
-    count = int(np.searchsorted(moves.time, time, side="right"))
-    if count == 0 or moves.time[count - 1] != time:
-        return None
-    rates = None if moves.rates is None else moves.rates[:count]
-    return Movement(moves.arm, moves.time[:count], moves.joints[:count], rates)
 
 
 def _remade(spec: DatasetSpec, shard: int, records: Dataset, name: str) -> DatasetReport:

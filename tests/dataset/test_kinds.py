@@ -26,7 +26,7 @@ from gcm_learn.recall.map_features import joint_map_features
 from gcm_learn.scene import pack
 from gcm_learn.situation import SpatialFrame, canonical
 from gcm_learn.wave import MarchingParams
-from tests.dataset.conftest import CHAINS, SPACE
+from tests.dataset.conftest import CHAINS, PICKS, SPACE
 from tests.dataset.test_sample import DATA
 from tests.situation.test_spatial_frame import MIRROR, moved
 
@@ -102,6 +102,21 @@ def test_all_catches_of_several_are_checked(chains):
         worse = {"search": replace(plan, on_the_way=(wrong, *others))}
         spoiled = Record(CHAINS, {"situation": record.situation, "plans": worse, "stratum": "W"})
         assert list(_broken_plans(spoiled))
+
+
+def test_holds_and_places_come_back_and_count(tmp_path_factory):
+    made, placed = made_of(PICKS, tmp_path_factory), 0
+    for record in made:
+        situation, plan = record.situation, make_item(PICKS, record.index).plans["search"]
+        stored, (target,) = record.plans["search"], situation.targets
+        assert stored.catches == plan.catches
+        assert record.structure.split("|")[1].endswith("<=@")
+        placed += stored.placed is not None
+        longer = replace(target.hold, seconds=target.hold.seconds + 0.01)
+        bodies = (replace(target, hold=longer), *situation.obstacles)
+        others = parameters_of(replace(situation, bodies=bodies))
+        assert np.count_nonzero(others != record.parameters) == 1
+    assert placed >= 2 and verify_dataset(made.folder.url, 1).faults == 0
 
 
 @pytest.fixture(scope="module")

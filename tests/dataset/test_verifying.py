@@ -55,7 +55,11 @@ def spoiled(spec, shard, folder, change):
     [
         (lambda way: replace(way, path=way.hand + 1e-6 * (way.time[:, None] > 0)), None),
         (lambda way: replace(way, path=way.hand * 0.9), "does not start at the hand"),
-        (lambda way: replace(way, time=way.time * 0.999), "faster than max_hand_speed"),
+        (lambda way: replace(way, time=way.time * 0.999), "does not end at the catch"),
+        (
+            lambda way: replace(way, time=np.append(0.5 * way.time[:-1], way.time[-1])),
+            "faster than max_hand_speed",
+        ),
         (lambda way: replace(way, path=np.vstack([way.hand[:-1], way.hand[:1]])), "hold"),
     ],
 )
