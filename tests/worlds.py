@@ -44,6 +44,15 @@ def among(arm, *bodies, horizon=1.0, name="among", **more):
     return situation.Situation(name, horizon, arm, bodies, **more)
 
 
+def pick():
+    """A ball on a belt, which a Panda holds and carries to a place."""
+    hold, place = situation.Hold(0.2, 0.05), situation.Place((0.3, 0.4, 0.4), 0.02)
+    ball = solid_ball("b", (0.5, -0.4, 0.2), (0.0, 0.3, 0.0), "target")
+    ball = replace(ball, hold=hold, place=place)
+    arm = panda(max_joint_acceleration=(15, 7.5, 10, 12.5, 15, 20, 20))
+    return among(arm, ball, horizon=2.0, end="rest")
+
+
 ZERO = [0.0, 0.0, 0.0]
 
 

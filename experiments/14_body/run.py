@@ -21,13 +21,13 @@ from typing import Any
 import pandas as pd
 from masses import CONDITIONS, followed
 from report import JUDGED, WAYS
+from tubes import measured_tube
 
 from experiments import recompute
 from gcm_learn.arms import CHAIN, SPATIAL, ByKind, kind_named
 from gcm_learn.execution import (
     Execution,
     body_for,
-    measured_tube,
     with_motor_limits,
 )
 from gcm_learn.families import draw, family_names, get_family

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
     Bodied = Situation[Any]
 
+LATENCY = ranged(lambda text: 1e-3 * float(text.removesuffix("ms")), "MS", 0, above=False)
 NOISE = ranged(float, "METRES", 0, above=False)
 NO_BODY = "no body"
 """Status of a situation that cannot be executed; others go on."""
@@ -71,10 +72,14 @@ class Execute:
 
     tube: bool = True
     """plan again with room for the error with which the arm follows its first plan; --no-tube
-    follows the first plan; with --noise there is none"""
+    follows the first plan; with --noise or --latency there is none"""
+
+    latency: Annotated[float | None, LATENCY, given("MS", "everything is known")] = None
+    """milliseconds by which percepts and commands come late, 0 too; the world is seen 50 times a
+    second, exactly without --noise, and the arm plans while it moves"""
 
     replan: Literal["once", "broken", "always"] = "broken"
-    """with --noise: when plans are made; `broken` is when the present plan fails"""
+    """with --noise or --latency: when plans are made; `broken` is when the present plan fails"""
 
     seed: Number = 0
     """of the noise"""
@@ -148,7 +153,8 @@ class Execute:
 
         method: Any = get_method(name)
         if not isinstance(method, ActorMethod):
-            mind = Planning(method.planner, self.replan) if self.noise else None
+            seen = self.noise or self.latency is not None
+            mind = Planning(method.planner, self.replan) if seen else None
             taking = partial(takes, method.planner)
             return Who(method.planner.name, taking, method.planner, mind)
         if self.replan == "once":
@@ -185,21 +191,19 @@ class Execute:
             return self._known(who, situation, body)
         forearm = body.metres * forearm_of(situation.arm)
         looks = {} if self.noise else {"looks": EXACT_LOOKS}
-        loop = Loop(Perception(self.noise / forearm), **looks)
+        late = self.latency or 0.0
+        loop = Loop(Perception(self.noise / forearm, latency=late), latency=late, **looks)
         return execute_seen(
             who.mind, situation, loop, self.seed, name=who.name, body=body, kinematic=exact
         )
 
     def _known(self, who: Who, situation: Bodied, body: AnyArmBody) -> Execution:
         """Execute a plan for a known world; beside a hold also a plain touch."""
-        from gcm_learn.execution import as_touch, execute, held
+        from gcm_learn.execution import as_touch, execute
 
-        if self.plant == "kinematic":
-            plan = plan_one(who.planner, situation, self.file)
-            return execute(plan, situation, body, kinematic=True)
-        plan = self._planned(who, situation, body)
-        done = execute(plan, situation, body)
-        if not held(plan):
+        exact = self.plant == "kinematic"
+        done = execute(self._planned(who, situation, body), situation, body, kinematic=exact)
+        if done.grip is None:
             return done
         touch = as_touch(situation)
         other = execute(self._planned(who, touch, body), touch, body, grips=True)
@@ -211,7 +215,7 @@ class Execute:
         from gcm_learn.planners import InTube, as_ours
 
         plan = plan_one(who.planner, situation, self.file)
-        if not self.tube or plan.trajectory is None:
+        if not self.tube or plan.trajectory is None or self.plant == "kinematic":
             return plan
         planner = as_ours(InTube(who.planner, tube_about(plan, situation, body)))
         return plan_one(planner, situation, self.file)
@@ -225,14 +229,13 @@ def told(done: Execution) -> str:
         parts.append(f"off by {median:.1f} mm (most {most:.1f}, at the end {end:.1f})")
     if done.torque is not None:
         parts.append(f"torque up to {100 * done.torque:.0f} %")
-    if done.blow is not None:
-        parts.append(f"gripped at {done.held_until:.3f} s with {_blow(done)}")
+    if done.grip is not None:
+        parts.append(f"gripped at {done.grip.closed:.3f} s{_blow(done)}")
     if done.touch is not None:
-        parts.append("a touch " + (f"with {_blow(done.touch)}" if done.touch.blow else "fails"))
-    if done.off_place is not None:
-        parts.append(
-            f"put down at {done.placed:.3f} s, {MILLI * done.off_place:.1f} mm from its place"
-        )
+        parts.append("a touch" + (_blow(done.touch) or " fails"))
+    if done.grip is not None and done.grip.off_place is not None:
+        away = f"{MILLI * done.grip.off_place:.1f} mm from its place"
+        parts.append(f"put down at {done.grip.opened:.3f} s, {away}")
     if done.braked is not None or done.stays is not None:
         parts.append(
             "not at rest after" if done.braked is None else f"at rest after {done.braked:.2f} s"
@@ -248,9 +251,10 @@ def told(done: Execution) -> str:
 
 
 def _blow(done: Execution) -> str:
-    assert done.blow is not None
-    impulse, torque = done.blow
-    return f"{MILLI * impulse:.3g} mN s and {torque:.2g} N m at a joint"
+    if done.grip is None or done.grip.impulse is None:
+        return ""
+    torque = f"{done.grip.torque:.2g} N m at a joint"
+    return f" with {MILLI * done.grip.impulse:.3g} mN s and {torque}"
 
 
 def _outcome(done: Execution) -> str:

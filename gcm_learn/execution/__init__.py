@@ -68,8 +68,9 @@ from gcm_learn.execution.body.executing import (
     execute_seen as execute_seen,
     execution_to_json as execution_to_json,
     several_in as several_in,
+    tube_about as tube_about,
 )
-from gcm_learn.execution.body.gripper import Blow as Blow, GrippingPlant as GrippingPlant
+from gcm_learn.execution.body.gripper import Gripped as Gripped, GrippingPlant as GrippingPlant
 from gcm_learn.execution.body.kinds import MECHANICS as MECHANICS
 from gcm_learn.execution.body.motors import (
     Controller as Controller,
@@ -77,10 +78,6 @@ from gcm_learn.execution.body.motors import (
     with_motor_limits as with_motor_limits,
 )
 from gcm_learn.execution.body.plant import Contact as Contact, PhysicalPlant as PhysicalPlant
-from gcm_learn.execution.body.tubes import (
-    measured_tube as measured_tube,
-    tube_about as tube_about,
-)
 from gcm_learn.execution.loop.belief import Belief as Belief
 from gcm_learn.execution.loop.closed_loop import (
     Course as Course,
@@ -101,7 +98,6 @@ from gcm_learn.execution.loop.episode import (
     into_frame as into_frame,
     run_episode as run_episode,
 )
-from gcm_learn.execution.loop.joint_leading import held as held
 from gcm_learn.execution.loop.kinds import forearm_of as forearm_of
 from gcm_learn.execution.loop.minds import (
     HABITS as HABITS,

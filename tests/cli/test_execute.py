@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import pytest
 
-from gcm_learn import situation as records
+from gcm_learn import execution, situation as records
 from gcm_learn.arms import Chain, hands_along
 from gcm_learn.cli import main
 from gcm_learn.execution import execution_to_json, shipped_bodies
@@ -169,6 +169,20 @@ def test_a_world_that_is_seen_inexactly_is_planned_for_while_the_arm_moves(file,
     assert done["planned_catch_time"] is None
 
 
+@pytest.mark.parametrize("late", ["0", "20", "20ms"])
+def test_percepts_and_commands_may_come_late(late, file, monkeypatch, capsys):
+    seen = []
+    loop = execution.Loop
+    monkeypatch.setattr(execution, "Loop", lambda *a, **b: seen.append(loop(*a, **b)) or seen[-1])
+    argv = ["execute", str(file), "--latency", late, "--plant", "kinematic", "--out", "-"]
+    assert main(argv) == 0
+    done = json.loads(capsys.readouterr().out.splitlines()[1])
+    assert done["status"] in ("caught", "collided", "late")  # thinking takes real time
+    expected = 0.0 if late == "0" else 0.02
+    assert (seen[0].latency, seen[0].perception.latency) == (expected, expected)
+    assert seen[0].perception.place == 0.0
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("planner", ["recall", "hybrid"])
 @pytest.mark.parametrize("noise", ["0", "0.002"])
@@ -221,6 +235,8 @@ REFUSED = [
     ("--planner clone", "--planner clone: an actor in the closed loop does not take planar arms"),
     ("--planner goes-straight --replan once", "--replan once: a policy acts anew in every period"),
     ("--planner gcm", "does not take spatial arms"),
+    ("--latency -1", "-1: must be at least 0"),
+    ("--latency soon", "--latency: no number: 'soon'"),
     ("--plant kinematic --film films", "--film: is of arms with mass"),
     ("--body none.json", "none.json: cannot be read"),
 ]

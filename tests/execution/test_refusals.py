@@ -115,7 +115,6 @@ PHYSICS = [
     (lambda: execution.Controller(feedforward="pid"), "feedforward"),
     (lambda: execution.Controller(bandwidth=0.0), "bandwidth"),
     (lambda: execution.Controller(bandwidth=math.nan), "bandwidth"),
-    (lambda: execution.measured_tube([]), "nothing was executed"),
     (lambda: PhysicalPlant(among(NAO), body_for(NAO)).push(np.full(4, np.nan), 0.1), "not finite"),
     (
         lambda: execution.pool_for(execution.PhysicalSettings(), [among(LONG, name="odd")]),

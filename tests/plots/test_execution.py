@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 from PIL import Image
 
 from gcm_learn.arms import Base, forward_in_space
@@ -17,6 +18,7 @@ from gcm_learn.plots.figures.execution import HIT, MET, Replay, told, touched_at
 from gcm_learn.plots.figures.film import ROUND
 from gcm_learn.scene import pose
 from gcm_learn.situation import Body, Box, Capsule, Cylinder, SolidQuadratic, Sphere
+from tests.worlds import pick
 
 
 def caught():
@@ -52,7 +54,7 @@ def test_the_target_bounces_off_in_the_film(case):
     assert replay.places(before)[0, 0] == pytest.approx(law[0], abs=2e-3)
     assert np.linalg.norm(replay.places(after)[0, 0] - law[1]) > 0.05
     assert replay.end > when + 0.1
-    assert replay.mark[2] == MET and replay.mark[0] == when
+    assert [(mark.time, mark.colour) for mark in replay.marks] == [(when, MET)]
 
 
 def test_the_arm_in_the_film_is_where_physics_had_it(case):
@@ -79,10 +81,32 @@ def test_a_contact_is_marked_where_it_is(struck):
     situation, done = struck
     assert done.status == "collided"
     replay = Replay(situation, done)
-    assert replay.mark[2] == HIT
-    bone = np.linalg.norm(replay.mark[1] - situation.bodies[-1].motion.position)
+    assert replay.marks[-1].colour == HIT and replay.mark_at(0.0) is None
+    bone = np.linalg.norm(replay.marks[-1].place - situation.bodies[-1].motion.position)
     assert bone == pytest.approx(situation.arm.thickness + 0.02, abs=5e-3)
     assert "touches 'ball 2'" in told(done)
+
+
+def test_hold_carry_and_place_are_told_in_turn():
+    """The ring goes with the ball, which ends at its place."""
+    situation = pick()
+    done = execute(get_planner("search").plan(situation), situation)
+    replay = Replay(situation, done)
+    times = [done.planned + 0.1, done.grip.closed + 0.1, done.grip.opened + 0.1]
+    marks = [replay.mark_at(t) for t in times]
+    for mark, word in zip(marks, ("moves with", "carries", "put down"), strict=True):
+        assert mark.word.startswith(word) or word in mark.word
+    assert replay.mark_at(done.planned - 0.01) is None
+    ax = Figure().subplots()
+    for t in times:
+        replay.show(ax, t)
+        ball = replay.view.see(replay.places(np.array([t]))[0, 0])[:2]
+        ring, cross = ax.lines[-2:]
+        assert np.ravel(ring.get_data()) == pytest.approx(ball)
+    place = replay.view.see(np.array(situation.bodies[0].place.position))[:2]
+    assert np.ravel(cross.get_data()) == pytest.approx(place)
+    assert np.linalg.norm(ball - place) < 0.02
+    assert "put down" in told(done)
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""Plans carried out by an arm with mass, and their outcomes."""
+"""Plans carried out by an arm with mass, their outcomes, and the width of their tube."""
 
 from __future__ import annotations
 
@@ -12,14 +12,15 @@ from gcm_learn.errors import PhysicsError
 from gcm_learn.execution.arena.kernels.world import CAUGHT, COLLIDED
 from gcm_learn.execution.arena.pool import Catch
 from gcm_learn.execution.body.bodies import body_for
-from gcm_learn.execution.body.gripper import Blow, GrippingPlant
+from gcm_learn.execution.body.gripper import Gripped, GrippingPlant
+from gcm_learn.execution.body.kinds import MECHANICS
 from gcm_learn.execution.body.model import STEP
 from gcm_learn.execution.body.motors import FAINT, Controller, with_motor_limits
 from gcm_learn.execution.body.plant import Contact, PhysicalPlant
 from gcm_learn.execution.loop.closed_loop import ExactPlant, Loop, Mind, run_closed_loop
-from gcm_learn.execution.loop.joint_leading import Gripping, begun, gripped, held
+from gcm_learn.execution.loop.joint_leading import begun, gripped
 from gcm_learn.motion import Movement, braked
-from gcm_learn.planners import Plan
+from gcm_learn.planners import Plan, Tube
 from gcm_learn.situation import AnyArmBody, Situation
 
 FORMAT = "gcm-learn/execution@1"
@@ -28,6 +29,8 @@ STAYS = 0.2
 
 STATUS = {CAUGHT: "caught", COLLIDED: "collided"}
 """By outcome; all others are late."""
+CARRY = 5.0
+"""Time after the horizon and the hold in which a target has to be placed in the closed loop [s]."""
 AT_REST = 0.05
 """Joints that are slower than this rest [rad/s]."""
 
@@ -68,14 +71,8 @@ class Execution:
     stays: bool | None = None
     """True if the last target was within grasp for another `STAYS` seconds, with no fingers to
     hold it."""
-    blow: Blow | None = None
-    """Impulse and torque as the gripper closes about the last target."""
-    held_until: float | None = None
-    """When it closes [s]."""
-    placed: float | None = None
-    """When it puts the last target down [s]."""
-    off_place: float | None = None
-    """Distance of the last target from its place at the end [m]."""
+    grip: Gripped | None = None
+    """Of the last target that was gripped."""
     touch: Execution | None = None
     """The same without a hold and a place: a touch at which a gripper closes at once."""
     braked: float | None = None
@@ -151,19 +148,18 @@ def execute(
             situation.name, plan.planner, "no plan", why, chosen.name, several=several_in(situation)
         )
     limits = with_motor_limits(situation, chosen).arm.max_joint_acceleration
-    moves = gripped(plan) if grips or held(plan) else plan.trajectory
-    whole = braked(moves, np.array(limits))
-    settings: Any = {"believed": believed, "most": len(plan.catches)}
-    given = situation, chosen, controller or Controller()
-    if isinstance(moves, Gripping):
-        plant: PhysicalPlant = GrippingPlant(*given, until=moves.duration + STEP, **settings)
-    else:
-        plant = PhysicalPlant(*given, **settings)
-    plant.follow(whole, max(situation.horizon, moves.duration))
+    grips = grips or any("held_until" in one for one in plan.catches)
+    moves, until = (gripped(plan), plan.trajectory.duration) if grips else (plan.trajectory, 0.0)
+    whole, most = braked(moves, np.array(limits)), len(plan.catches)
+    plant = (GrippingPlant if grips else PhysicalPlant)(
+        situation, chosen, controller or Controller(), believed=believed, most=most,
+        until=until + 2.0 * STEP * grips,
+    )  # fmt: skip
+    plant.follow(whole, max(situation.horizon, until + STEP * grips))
     ended = _ended(plant)
     if plant.outcome == CAUGHT:
-        since = max(ended * STEP, moves.duration if isinstance(moves, Gripping) else 0.0)
-        plant.follow(whole, since + STAYS + whole.duration - moves.duration)
+        after = whole.duration - moves.duration
+        plant.follow(whole, max(ended * STEP, until) + STAYS + after)
     return _report(plan, whole, plant, ended)
 
 
@@ -208,7 +204,10 @@ def execute_seen(
             catches=tuple(exact.catches), several=several_in(situation),
         )  # fmt: skip
     chosen = body_for(situation.arm, body)
-    plant = PhysicalPlant(situation, chosen, controller or Controller())
+    more = [t.hold.seconds + CARRY * (t.place is not None) for t in situation.targets if t.hold]
+    plant = (GrippingPlant if more else PhysicalPlant)(
+        situation, chosen, controller or Controller(), until=situation.horizon + sum(more)
+    )
     run_closed_loop(mind, plant, situation, loop, seed)
     return _seen(plant, name, _ended(plant))
 
@@ -255,6 +254,7 @@ def _seen(plant: PhysicalPlant, planner: str, ended: int) -> Execution:
         plant=plant,
         catches=tuple(plant.catches),
         several=several_in(plant.situation),
+        grip=plant.gripped if isinstance(plant, GrippingPlant) else None,
     )
 
 
@@ -266,11 +266,9 @@ def _report(plan: Plan, whole: Movement, plant: PhysicalPlant, ended: int) -> Ex
         error=_errors(whole, plant, np.arange(ended + 1)),
         plan=whole,
     )
-    if isinstance(plant, GrippingPlant):
-        out = _gripped(out, plant, str(plan.catch_body))
     if plant.catch_time is None:
         return out
-    stayed = ended == plant.ended and out.placed is None
+    stayed = ended == plant.ended and not (out.grip and out.grip.opened)
     return replace(
         out,
         stays=plant.holds(str(plant.catch_body), ended, ended + round(STAYS / STEP))
@@ -279,17 +277,6 @@ def _report(plan: Plan, whole: Movement, plant: PhysicalPlant, ended: int) -> Ex
         braked=_rested(plant, ended),
         braked_into=plant.later_contact,
     )
-
-
-def _gripped(done: Execution, plant: GrippingPlant, name: str) -> Execution:
-    """Return an execution with what came of the grip of a target."""
-    if name not in plant.closed:
-        return done
-    opened, blow = plant.opened.get(name), plant.blow(name)
-    done = replace(done, blow=blow, held_until=plant.closed[name] * STEP)
-    if opened is None:
-        return done
-    return replace(done, placed=opened * STEP, off_place=plant.off_place(name))
 
 
 def _errors(plan: Movement, plant: PhysicalPlant, steps: np.ndarray) -> tuple[float, float, float]:
@@ -320,7 +307,7 @@ def execution_to_json(done: Execution) -> dict[str, Any]:
     Situations that ask for several catches have the field ``catches`` as well.
     """
     error = done.error or (None, None, None)
-    blow, touch = (of.blow if of and of.blow else (None, None) for of in (done, done.touch))
+    grip, touch = (of.grip._asdict() if of and of.grip else {} for of in (done, done.touch))
     caught = [catch._asdict() for catch in done.catches]
     return {
         "format": FORMAT,
@@ -340,13 +327,13 @@ def execution_to_json(done: Execution) -> dict[str, Any]:
         "error_at_end": error[2],
         "torque": done.torque,
         "stays": done.stays,
-        "held_until": done.held_until,
-        "impulse": blow[0],
-        "impact_torque": blow[1],
-        "touch_impulse": touch[0],
-        "touch_impact_torque": touch[1],
-        "placed": done.placed,
-        "off_place": done.off_place,
+        "held_until": grip.get("closed"),
+        "impulse": grip.get("impulse"),
+        "impact_torque": grip.get("torque"),
+        "touch_impulse": touch.get("impulse"),
+        "touch_impact_torque": touch.get("torque"),
+        "placed": grip.get("opened"),
+        "off_place": grip.get("off_place"),
         "braked": done.braked,
         "braked_into": _contact(done.braked_into),
     }
@@ -354,3 +341,12 @@ def execution_to_json(done: Execution) -> dict[str, Any]:
 
 def _contact(contact: Contact | None) -> dict[str, Any] | None:
     return None if contact is None else {"name": contact.name, "time": contact.time}
+
+
+def tube_about(plan: Plan, situation: Situation[Any], body: AnyArmBody) -> Tube:
+    """Return the tube in which the limb of an arm stays that follows a plan, in the arm's unit."""
+    done = execute(plan, situation, body)
+    moves, plan_moves = done.movement, done.plan or done.movement
+    both = moves.joints, plan_moves.joints_at(moves.time)
+    there, wanted = (MECHANICS.of(situation.arm).points(situation.arm, joints) for joints in both)
+    return Tube(float(np.linalg.norm(there - wanted, axis=2).max()))

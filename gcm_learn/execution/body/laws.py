@@ -50,17 +50,6 @@ def laws(scene: Scene, time: np.ndarray, metres: float) -> Laws:
     )  # fmt: skip
 
 
-def poses_of(rows: np.ndarray, metres: float) -> np.ndarray:
-    """Poses (n, 12) of a body, in the arm's unit, by positions [m] and quaternions (n, 7)."""
-    from scipy.spatial.transform import Rotation
-
-    poses = np.empty((len(rows), 12))
-    poses[:, :3] = rows[:, :3] / metres
-    turns = Rotation.from_quat(np.roll(rows[:, 3:], -1, axis=1)).as_matrix()
-    poses[:, 3:] = turns.reshape(-1, 9)
-    return poses
-
-
 @njit
 def _tabulate(bodies, time, poses, turns):
     for k in range(time.size):

@@ -7,12 +7,13 @@ from typing import Any
 
 import numpy as np
 
+from gcm_learn.arms import rotation_of
 from gcm_learn.compiled import njit
 from gcm_learn.errors import PhysicsError
 from gcm_learn.execution.arena.kernels.world import CAUGHT, COLLIDED, GONE, RUNNING
 from gcm_learn.execution.arena.pool import Catch, wanted_of
 from gcm_learn.execution.body.kinds import MECHANICS, misfit, strongest
-from gcm_learn.execution.body.laws import Laws, first_met_in, grasped, laws, poses_of
+from gcm_learn.execution.body.laws import Laws, first_met_in, grasped, laws
 from gcm_learn.execution.body.model import CATCHER, STEP, codes_of, coupling_of, model_of, mujoco
 from gcm_learn.execution.body.motors import Controller, following
 from gcm_learn.motion import Movement
@@ -69,8 +70,8 @@ class PhysicalPlant:
     PhysicsError
     """
 
-    grips = False
-    """True if the hand is a gripper."""
+    grips, carries = False, frozenset[str]()
+    """True if the hand is a gripper, and targets in it."""
 
     def __init__(
         self,
@@ -235,7 +236,9 @@ class PhysicalPlant:
         """Return whether a target is within grasp at all steps from `first` to `last`."""
         b = self.number_of(name)
         at = 7 * self._numbers.index(b)
-        poses = poses_of(self.targets_log[first : last + 1, at : at + 7], self.body.metres)
+        rows = self.targets_log[first : last + 1, at : at + 7]
+        turns = np.array([rotation_of(turn).ravel() for turn in rows[:, 3:].tolist()])
+        poses = np.hstack([rows[:, :3] / self.body.metres, turns])
         joints, room = self.joints_log[first : last + 1], np.zeros((b + 1, 12))
         return last <= self.steps and bool(grasped(self._scene, b, joints, poses, room))
 
@@ -252,24 +255,21 @@ class PhysicalPlant:
 
     def _advance(self, commands: np.ndarray, pushed: bool = False) -> None:
         """Steps with commands (n, dof), until the episode is over; beyond it all of them."""
+        going, chunk = self.outcome == RUNNING, CHUNK if self.wanted.most == 1 else 1
         library = mujoco()
         library.set_mju_user_warning(lambda message: None)  # what goes wrong becomes an error
         try:
-            self._make(commands, pushed)
+            for k in range(0, len(commands), chunk):
+                before = self.steps
+                touched = self._run(commands[k : k + chunk], pushed)
+                if going:
+                    self._judge(before + 1, touched)
+                    if self.outcome != RUNNING:
+                        return
+                elif touched is not None:
+                    self._note_late(touched)
         finally:
             library.set_mju_user_warning(None)
-
-    def _make(self, commands: np.ndarray, pushed: bool) -> None:
-        going, chunk = self.outcome == RUNNING, CHUNK if self.wanted.most == 1 else 1
-        for k in range(0, len(commands), chunk):
-            before = self.steps
-            touched = self._run(commands[k : k + chunk], pushed)
-            if going:
-                self._judge(before + 1, touched)
-                if self.outcome != RUNNING:
-                    return
-            elif touched is not None:
-                self._note_late(touched)
 
     def _run(self, commands: np.ndarray, pushed: bool) -> tuple[int, int] | None:
         """Steps of the physics; what the limb touches first, see `_contacts`, at which step."""

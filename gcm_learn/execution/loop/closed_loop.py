@@ -10,8 +10,8 @@ from __future__ import annotations
 
 import math
 import time as clock
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass, replace
 from typing import NamedTuple, Protocol
 
 from gcm_learn.errors import ArenaError, SituationError
@@ -46,6 +46,10 @@ class LedPlant(Protocol):
     @property
     def catches(self) -> Sequence[Catch]:
         """Targets that were caught, in order."""
+
+    @property
+    def carries(self) -> Collection[str]:
+        """Targets in the hand, which keep an agent from thinking."""
 
     def follow(self, trajectory: Movement, until: float, /) -> None:
         """Let the world go on until a time [s], or until the episode is over."""
@@ -94,12 +98,16 @@ class Loop:
     """Time that every thought takes [s]; by default its processor time."""
     acceleration: float = ACCELERATION
     """Of `Belief`."""
+    latency: float = 0.0
+    """Time by which commands come late [s], of which the agent does not know."""
 
     def __post_init__(self) -> None:
         if isinstance(self.looks, bool) or not isinstance(self.looks, int) or self.looks < 1:
             raise ArenaError(f"looks: must be an integer from 1 on (got {self.looks!r})")
-        if self.thinking is not None and not 0.0 <= self.thinking < math.inf:
-            raise ArenaError(f"thinking: must be from 0 on (got {self.thinking!r})")
+        for name in ("thinking", "latency"):
+            value = getattr(self, name)
+            if value is not None and not 0.0 <= value < math.inf:
+                raise ArenaError(f"{name}: must be from 0 on (got {value!r})")
 
 
 @dataclass(frozen=True)
@@ -220,17 +228,31 @@ def run_closed_loop(
         Of the errors of perception.
     """
     episode = _Episode(mind, situation, loop)
-    period, look = loop.perception.period, 0
+    period, look, sent = loop.perception.period, 0, [episode.followed]
     while plant.outcome == RUNNING:
         percept = loop.perception.told(situation, look, seed, *index)
         if percept is not None:
             episode.belief.join(percept)
-        if look * period < situation.horizon:
+        if look * period < situation.horizon and not plant.carries:
             episode.think(look, plant.catches)
+        sent.append(episode.followed)
+        for moves, until in _arriving(sent, look, period, loop.latency):
+            plant.follow(moves, until)
         look += 1
-        plant.follow(episode.followed, look * period)
     ended = plant.time if plant.catch_time is None else plant.catch_time
     return Course(plant.outcome, ended, tuple(episode.thoughts), tuple(plant.catches))
+
+
+def _arriving(
+    sent: Sequence[Movement], look: int, period: float, latency: float
+) -> Iterator[tuple[Movement, float]]:
+    """Yield commands that arrive in the period after a look, and until when they hold [s]."""
+    whole = math.floor(latency / period + _HAIR)
+    rest = latency - whole * period
+    for k, until in ((look - whole, look * period + rest), (look - whole + 1, (look + 1) * period)):
+        if until > (look + _HAIR) * period:
+            moves = sent[max(k, 0)]
+            yield replace(moves, time=moves.time + latency), until
 
 
 JUMP = 1e-6  # distance of arm and trajectory where it is taken up [rad, or forearm lengths]
@@ -265,6 +287,8 @@ class ExactPlant:
     def catch_time(self) -> float | None:
         """Time of the last catch of an episode that is a success [s]."""
         return self.catches[-1].time if self.outcome == CAUGHT else None
+
+    carries = ()
 
     def follow(self, trajectory: Movement, until: float) -> None:
         """Let the world go on until a time, or until the episode is over.

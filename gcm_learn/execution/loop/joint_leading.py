@@ -115,15 +115,9 @@ class Gripping(Movement):
     """In order."""
 
 
-def held(plan: Plan) -> bool:
-    """Return whether a plan holds any target."""
-    return any("held_until" in one for one in plan.catches)
-
-
 def gripped(plan: Plan) -> Gripping:
     """Return the movement of a catch, whose hand closes at the end of a hold or with a touch."""
-    moves = plan.trajectory
-    assert moves is not None
+    moves: Any = plan.trajectory
     grips = (
         Grip(one["body"], one.get("held_until", one["time"]), one.get("placed"))
         for one in plan.catches

@@ -21,6 +21,7 @@ from gcm_learn.execution.arena.pool import Pool, wanted_of
 from gcm_learn.execution.arena.settings import ArenaSettings, SpatialSettings
 from gcm_learn.execution.loop.closed_loop import ExactPlant, Occasion
 from gcm_learn.execution.loop.episode import Agent, Moment, into_frame
+from gcm_learn.execution.loop.joint_leading import gripped
 from gcm_learn.motion import Movement, fastest_hand, opening
 from gcm_learn.planners import plan_with
 from gcm_learn.scene import pack
@@ -103,7 +104,8 @@ class Planning:
         many = wanted_of(believed).most > 1
         answer = plan_with(asked, believed) if many else asked.plan(believed)
         found: Movement | None = answer.trajectory
-        return found
+        holds = found is not None and any(target.hold for target in believed.targets)
+        return gripped(answer) if holds else found
 
 
 def holds(occasion: Occasion) -> bool:

@@ -64,6 +64,8 @@ class Perception:
     """Periods after which the percept of a look comes."""
     period: float = PERIOD
     """Between two looks [s]."""
+    latency: float = 0.0
+    """Time by which percepts come later still [s]; they tell when they were seen."""
 
     def __post_init__(self) -> None:
         for field in fields(self):
@@ -108,8 +110,8 @@ class Perception:
             Of the errors: the same for the same seed, index and look, whatever was asked before.
         """
         seen = look - self.delay
-        time = seen * self.period
-        if seen < 0 or time >= situation.horizon or self.dark(seen, seed, *index):
+        time = seen * self.period - self.latency
+        if time < 0.0 or time >= situation.horizon or self.dark(seen, seed, *index):
             return None
         source = seeding.rng(seed, *index, seen)
         forearm = LEADS.of(situation).forearm(situation.arm)

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from itertools import cycle
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 WIDTH, HEIGHT = 6.6, 3.95  # [inches] of a film
 WIDER = 1.25  # times what shows the arm and its target: it is seen to go
 STOP = 8  # frames for which a film stands still at the catch or the contact
+RING = 26  # size of the ring of a mark [points]
 MET, HIT = style.GOOD, style.EFFECTIVE  # marks of a catch and of a contact
 JOINT_NAMES: ByKind[Callable[[Any], tuple[str, ...]]] = ByKind(
     {SPATIAL: lambda arm: ("shoulder pitch", "shoulder roll", "elbow yaw", "elbow roll")},
@@ -69,6 +70,16 @@ def animate_execution(
     film.write_film(list(_frames(Replay(situation, done), frames, views)), path)
 
 
+class Mark(NamedTuple):
+    """A ring, with its colour and a word, from a time on [s]."""
+
+    time: float
+    place: np.ndarray | int
+    """(3,) in the world; the index of a target for a ring that goes with it."""
+    colour: str
+    word: str
+
+
 class Replay(Scenery):
     """A situation in which an arm with mass moved, as a camera sees it.
 
@@ -96,18 +107,18 @@ class Replay(Scenery):
         self.step = self.plant.time / max(self.plant.steps, 1)
         rows = np.arange(self.plant.steps + 1)
         self.moves = Movement(until.arm, rows * self.step, self.plant.joints_log[rows])
-        self.mark: tuple[float, np.ndarray, str, str] | None = None
-        """When, where, colour and word of what the episode ended with."""
-        if done.catch_time is not None:
-            place = until.hand[-1]
-            self.mark = (done.catch_time, place, MET, f"caught at {done.catch_time:.3f} s")
+        self.marks = _phases(done, [target.name for target in situation.targets])
+        """Phases of a hold and a carry, and what the episode ended with, in order."""
+        if done.catch_time is not None and done.grip is None:
+            told = f"caught at {done.catch_time:.3f} s"
+            self.marks.append(Mark(done.catch_time, until.hand[-1], MET, told))
         elif done.contact is not None:
             t, name = done.contact.time, done.contact.name
             known = name in [body.name for body in situation.bodies]  # or it touches itself
             place = until.hand[-1]
             if known:
                 place = touched_at(situation, name, t, self.moves.joints_at(t))
-            self.mark = (t, place, HIT, f"touches {name!r} at {t:.3f} s")
+            self.marks.append(Mark(t, place, HIT, f"touches {name!r} at {t:.3f} s"))
         super().__init__(
             situation, self.moves, view or rendering.view_of(situation, until), turns=turns
         )
@@ -132,13 +143,28 @@ class Replay(Scenery):
     def show(self, ax: Axes, t: float, turn: float = 0.0, pixels: int = 720) -> None:
         """Draw time t [s], from a camera that is turned, with the mark if it is time."""
         super().show(ax, t, turn, pixels)
-        if self.mark is None or t < self.mark[0] - 1e-9:
-            return
-        x, y, _ = rendering.turned_view(self.view, turn).see(self.mark[1])
-        ax.plot(
-            x, y, "o", ms=26, mfc="none", mec=self.mark[2], mew=2.2, zorder=18,
-            path_effects=[style.HALO],
-        )  # fmt: skip
+        view, mark = rendering.turned_view(self.view, turn), self.mark_at(t)
+        if mark is not None:
+            place = mark.place
+            place = self.places(np.array([t]))[place, 0] if isinstance(place, int) else place
+            x, y, _ = view.see(place)
+            ax.plot(
+                x, y, "o", ms=RING, mfc="none", mec=mark.colour, mew=2.2, zorder=18,
+                path_effects=[style.HALO],
+            )  # fmt: skip
+        for body in self.situation.targets:
+            if body.place is not None:
+                x, y, _ = view.see(np.array(body.place.position))
+                ax.plot(x, y, "x", ms=9, color=MET, mew=2.2, zorder=17, path_effects=[style.HALO])
+                ax.annotate(
+                    "place", (x, y), (0, -RING / 2), textcoords="offset points", ha="center",
+                    va="top", fontsize=style.SMALL, color=MET, path_effects=[style.HALO], zorder=17,
+                )  # fmt: skip
+
+    def mark_at(self, t: float) -> Mark | None:
+        """Return the mark of the phase at time t [s], if there is one."""
+        begun = [mark for mark in self.marks if t >= mark.time - 1e-9]
+        return begun[-1] if begun else None
 
     def places(self, times: np.ndarray) -> np.ndarray:
         """Return the centres (m, k, 3) of the targets in the simulation, in the world."""
@@ -147,7 +173,8 @@ class Replay(Scenery):
     def _targets(self, t: float) -> Iterator[rendering.Faces]:
         targets = [body for body in self.situation.bodies if body.role == "target"]
         place, turn = logged_targets(self.situation, self.plant, self.step, np.array([t]))
-        taken = {catch.body for catch in self.done.catches[:-1] if catch.time < t}
+        caught = () if self.plant.grips else self.done.catches[:-1]
+        taken = {catch.body for catch in caught if catch.time < t}
         for k, body in enumerate(targets):
             if body.name in taken:
                 continue
@@ -197,28 +224,46 @@ def _frames(replay: Replay, frames: int, views: int) -> Iterator[Image.Image]:
     def show(ax: Axes, t: float, turn: float) -> None:
         replay.show(ax, t, turn, size)
         style.note_in_corner(ax, f"t = {t:.2f} s")
-        if replay.mark is not None and t >= replay.mark[0] - 1e-9:
+        mark = replay.mark_at(t)
+        if mark is not None:
             ax.text(
-                0.99, 0.99, replay.mark[3], transform=ax.transAxes, ha="right", va="top", zorder=20,
-                fontsize=style.LABEL, color=replay.mark[2], path_effects=[style.HALO],
+                0.99, 0.99, mark.word, transform=ax.transAxes, ha="right", va="top", zorder=20,
+                fontsize=style.LABEL, color=mark.colour, path_effects=[style.HALO],
             )  # fmt: skip
 
     times = np.linspace(0.0, replay.end, frames)
     moments = [(t, 0.0) for t in times]
-    if replay.mark is not None:
-        k = int(np.searchsorted(times, replay.mark[0]))
-        moments[k:k] = [(replay.mark[0], 0.0)] * STOP
+    for mark in reversed(replay.marks):
+        k = int(np.searchsorted(times, mark.time))
+        moments[k:k] = [(mark.time, 0.0)] * STOP
     moments += [(replay.end, turn) for turn in np.linspace(0.0, 360.0, views + 1)[1:]]
     yield from film.painted(
         figure, panels, (show, lambda ax, t, _: above.show(ax, t, 0.0, size)), moments
     )
 
 
+def _phases(done: Execution, names: Sequence[str]) -> list[Mark]:
+    """Return the marks of a hold and a carry, which go with one of the targets of names."""
+    if done.grip is None or done.plant is None:
+        return []
+    (closed, opened, *_), k = done.grip, names.index(list(done.plant.closed)[-1])  # type: ignore[attr-defined]
+    since = min(done.planned or closed, closed)
+    marks = [Mark(since, k, style.PATH, f"moves with {names[k]!r}")]
+    marks.append(Mark(closed, k, MET, f"gripped at {closed:.3f} s" + ", carries it" * bool(opened)))
+    if opened is not None:
+        marks.append(Mark(opened, k, MET, f"put down at {opened:.3f} s"))
+    return marks
+
+
 def told(done: Execution) -> str:
     """The outcome, in two lines."""
     planned = "" if done.planned is None else f" (planned {done.planned:.3f} s)"
     several = f"{len(done.catches)} of {len(done.several)} targets " if done.several else ""
-    if done.caught:
+    if done.caught and done.grip is not None:
+        first = f"{done.name}: {several}gripped at {done.grip.closed:.3f} s"
+        if done.grip.off_place is not None:
+            first += f", put down {_millimetres(done.grip.off_place)} from its place"
+    elif done.caught:
         first = f"{done.name}: {several}caught at {done.catch_time:.3f} s{planned}"
     elif done.contact is not None:
         first = f"{done.name}: touches {done.contact.name!r} at {done.contact.time:.3f} s{planned}"
@@ -330,5 +375,5 @@ def _finish(ax: Axes, replay: Replay, end: float, title: str) -> None:
     style.title(ax, title)
     ax.set_xlim(0.0, replay.end)
     ax.set_xlabel("t [s]", fontsize=style.LABEL, color=style.INK)
-    colour = style.INK if replay.mark is None else replay.mark[2]
+    colour = replay.marks[-1].colour if replay.marks else style.INK
     ax.axvline(end, color=colour, lw=1.2, ls=(0, (4, 3)))

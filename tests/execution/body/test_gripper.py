@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from gcm_learn.arms import hands_along
+from gcm_learn.arms import Base, hands_along, rotation_of
 from gcm_learn.execution import GrippingPlant, as_touch, body_for, execute, execution_to_json
 from gcm_learn.execution.arena.kernels.world import CAUGHT, LATE
 from gcm_learn.execution.body.model import BALL_DENSITY, STEP
@@ -13,7 +13,7 @@ from gcm_learn.execution.loop.joint_leading import Grip, Gripping
 from gcm_learn.planners import get_planner
 from gcm_learn.scene import pose
 from gcm_learn.situation import Hold, Place
-from tests.worlds import READY, among, flight, panda, solid_ball
+from tests.worlds import READY, among, flight, panda, pick, solid_ball
 
 PANDA = panda(max_joint_acceleration=(15, 7.5, 10, 12.5, 15, 20, 20))
 HAND = hands_along(PANDA, PANDA.joints)[0][0]
@@ -42,7 +42,7 @@ def test_a_hand_at_rest_takes_the_momentum_of_what_it_grips(velocity, radius):
     mass = BALL_DENSITY * 4.0 / 3.0 * np.pi * radius**3
     assert plant.outcome == CAUGHT
     plant.follow(resting(0.4), 0.6)
-    assert plant.blow("b").impulse == pytest.approx(mass * np.linalg.norm(velocity), rel=0.05)
+    assert plant.gripped.impulse == pytest.approx(mass * np.linalg.norm(velocity), rel=0.05)
     gripped, now = plant.targets_log[[200, plant.steps], :3]
     assert gripped == pytest.approx(HAND, abs=1e-9)
     assert now == pytest.approx(gripped, abs=2e-3)
@@ -73,16 +73,14 @@ def test_what_is_put_down_rests_and_others_are_not_disturbed():
         rows = plant.targets_log[350 : plant.steps + 1, :3]
         assert rows == pytest.approx(np.tile(rows[0], (len(rows), 1)))
         assert rows[0] == pytest.approx(law, abs=2e-3)
-        assert plant.off_place("b") == pytest.approx(abs(rows[0] - place.position).max(), abs=2e-3)
+        off = np.linalg.norm(rows[0] - place.position)
+        assert plant.gripped.off_place == pytest.approx(off, abs=1e-9)
 
 
 @pytest.fixture(scope="module")
 def picked():
-    """A ball on a belt, held and carried to a place, as planned and as executed."""
-    hold, place = Hold(0.2, 0.05), Place((0.3, 0.4, 0.4), 0.02)
-    belt = flight((0.5, -0.4, 0.2), (0.0, 0.3, 0.0))
-    ball = replace(solid_ball("b", HAND, role="target"), motion=belt, hold=hold, place=place)
-    situation = among(PANDA, ball, horizon=2.0, end="rest")
+    """A situation with a place, its plan and the execution."""
+    situation = pick()
     plan = PLANNER.plan(situation)
     assert plan.placed is not None
     return situation, plan, execute(plan, situation)
@@ -91,10 +89,10 @@ def picked():
 def test_a_held_ball_is_gripped_carried_and_put_down(picked):
     situation, plan, done = picked
     assert done.caught and done.braked == 0.0
-    assert done.held_until == pytest.approx(plan.held_until, abs=STEP)
-    assert done.placed == pytest.approx(plan.placed, abs=STEP)
-    assert done.off_place <= situation.bodies[0].place.within
-    plant, (first, last) = done.plant, (round(t / STEP) for t in (done.held_until, done.placed))
+    assert done.grip.closed == pytest.approx(plan.held_until, abs=STEP)
+    assert done.grip.opened == pytest.approx(plan.placed, abs=STEP)
+    assert done.grip.off_place <= situation.bodies[0].place.within
+    plant, (first, last) = done.plant, (round(t / STEP) for t in done.grip[:2])
     for k in range(0, first, 50):
         law, _ = pose(situation, 0, k * STEP)
         assert plant.targets_log[k, :3] == pytest.approx(law, abs=1e-9)
@@ -102,22 +100,52 @@ def test_a_held_ball_is_gripped_carried_and_put_down(picked):
     away = np.linalg.norm(plant.targets_log[first : last + 1, :3] - hands, axis=1)
     assert np.ptp(away) < 1e-3 and np.ptp(hands, axis=0).max() > 0.2
     told = execution_to_json(done)
-    assert told["placed"] == done.placed and told["touch_impulse"] is None
+    assert told["placed"] == done.grip.opened and told["touch_impulse"] is None
+
+
+@pytest.mark.parametrize("delay", [3e-4, 8e-4, 0.0013, 0.0019])
+def test_grips_need_not_fall_on_steps(picked, delay):
+    """A plan that begins a little later is caught and placed, too."""
+    situation, plan, done = picked
+    moves = plan.trajectory
+    later = replace(
+        moves,
+        time=np.append(0.0, moves.time + delay),
+        joints=np.vstack([moves.joints[:1], moves.joints]),
+        rates=np.vstack([moves.rates[:1], moves.rates]),
+    )
+    times = {name: getattr(plan, name) + delay for name in ("catch_time", "held_until", "placed")}
+    found = execute(replace(plan, trajectory=later, **times), situation)
+    assert found.caught and found.grip.opened == pytest.approx(done.grip.opened, abs=0.004)
+
+
+def test_a_turned_base_changes_nothing(picked):
+    """Arm, belt and place are turned and moved together, about the vertical."""
+    situation, _, done = picked
+    base = Base((0.3, -0.2, 0.1), (np.sqrt(0.5), 0.0, 0.0, np.sqrt(0.5)))
+    turn, ball = rotation_of(base.rotation), situation.bodies[0]
+    start, goal = (tuple(turn @ np.array(p) + base.origin)
+                   for p in (ball.motion.position, ball.place.position))  # fmt: skip
+    law, place = flight(start, turn @ np.array(ball.motion.velocity)), Place(goal, 0.02)
+    bodies = (replace(ball, motion=law, place=place),)
+    turned = replace(situation, arm=replace(situation.arm, base=base), bodies=bodies)
+    found = execute(PLANNER.plan(turned), turned)
+    assert found.grip == pytest.approx(done.grip, rel=1e-3)
 
 
 def test_a_hold_is_softer_than_a_touch(picked):
     situation, _, done = picked
     touch = as_touch(situation)
     hard = execute(PLANNER.plan(touch), touch, grips=True)
-    assert hard.caught and hard.placed is None
-    assert 5.0 * done.blow.impulse < hard.blow.impulse
-    assert done.blow.torque < hard.blow.torque
+    assert hard.caught and hard.grip.opened is None
+    assert 5.0 * done.grip.impulse < hard.grip.impulse
+    assert done.grip.torque < hard.grip.torque
 
 
 def test_what_is_carried_collides_unless_it_may(picked):
     """A ball so small that only what is carried meets it is put upon the carried way."""
     situation, plan, done = picked
-    k = round(0.5 * (done.held_until + done.placed) / STEP)
+    k = round(0.5 * (done.grip.closed + done.grip.opened) / STEP)
     crumb = solid_ball("crumb", done.plant.targets_log[k, :3], radius=0.001)
     for ignore, status in (((), "collided"), (("crumb",), "caught")):
         ball = replace(situation.bodies[0], ignore=ignore)
@@ -126,7 +154,7 @@ def test_what_is_carried_collides_unless_it_may(picked):
         assert met.status == status
         assert (met.contact is None) == bool(ignore)
     assert (
-        done.held_until
+        done.grip.closed
         < execute(plan, replace(barred, bodies=(situation.bodies[0], crumb))).contact.time
-        < done.placed
+        < done.grip.opened
     )

@@ -218,8 +218,7 @@ def test_a_plan_is_executed_and_measured():
     done = execution.execute(plan, replace(bare, bodies=(target,)))
     assert done.caught and done.catch_body == "o" and 0.2 < done.catch_time <= 0.3
     assert max(done.error) < 5e-4 and done.torque < 1.0 and done.body == "panda"
-    tube = execution.measured_tube([done])
-    assert 0.0 < tube.still + tube.per_speed < 1e-3
+    assert 0.0 < execution.tube_about(plan, done.plant.situation, done.plant.body).still < 1e-3
 
 
 HAND, AXIS = (part[0] for part in arms.hands_along(PANDA, READY))

@@ -1,6 +1,7 @@
 """A tube is measured on what was done, and a plan in a tube keeps it."""
 
 from dataclasses import replace
+from importlib import import_module
 from types import SimpleNamespace
 
 import numpy as np
@@ -11,7 +12,6 @@ from gcm_learn.execution import (
     Execution,
     body_for,
     execute,
-    measured_tube,
     tube_about,
     with_motor_limits,
 )
@@ -23,6 +23,7 @@ from gcm_learn.situation import Hold
 from tests.judging import judge
 from tests.worlds import among, panda, solid_ball
 
+measured_tube = import_module("experiments.14_body.tubes").measured_tube
 NAO = paper_scene("fig8-space")
 SEARCH = get_planner("search")
 
@@ -82,16 +83,14 @@ def test_a_hold_in_a_tube_keeps_deeper_within_the_grasp():
 
 
 def test_a_tube_about_a_plan_is_as_wide_as_its_errors(limited):
-    """At the hand's fastest it has room for the largest, in the arm's unit."""
+    """It has room for the largest, in the arm's unit."""
     body, arm = body_for(NAO.arm), NAO.arm
     bones = tuple(replace(bone, length=None) for bone in body.bones)
     body = replace(body, metres=2.0, bones=bones)
     free = replace(limited, arm=replace(arm, max_joint_acceleration=(10.0, 10.0, 30.0, 20.0)))
     plan = SEARCH.plan(free)
     about, done = tube_about(plan, free, body), execute(plan, free, body)
-    way = done.plan.hand_at(np.arange(0.0, done.catch_time, STEP))
-    fastest = np.linalg.norm(np.diff(way, axis=0), axis=1).max() / STEP
-    assert 0.0 < done.error[1] <= 2.0 * about.at(fastest) < 4.0 * done.error[1]
+    assert 0.0 < done.error[1] <= 2.0 * about.still < 4.0 * done.error[1]
 
 
 def test_a_tube_holds_what_it_was_measured_on(limited):

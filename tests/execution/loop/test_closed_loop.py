@@ -12,6 +12,7 @@ from gcm_learn.execution import (
     CAUGHT,
     COLLIDED,
     LATE,
+    RUNNING,
     Commanding,
     ExactPlant,
     Loop,
@@ -19,12 +20,15 @@ from gcm_learn.execution import (
     PhysicalPlant,
     Planning,
     body_for,
+    execute_seen,
     run_closed_loop,
 )
 from gcm_learn.motion import Movement
 from gcm_learn.planners import get_planner
 from gcm_learn.situation import (
     Body,
+    Hold,
+    Place,
     Sphere,
 )
 from tests.worlds import among, disc, flight, panda, solid_ball
@@ -330,3 +334,68 @@ def test_an_arm_with_mass_is_led_too():
     assert plants[1].catch_time == courses[1].time
     off = np.abs(plants[1].joints_log[plants[1].steps] - plants[0].arm.joints).max()
     assert 1e-6 < off < 0.3
+
+
+class Recorder(ExactPlant):
+    """A plant that notes where commands want the arm to be, every 2 ms."""
+
+    def __init__(self, situation):
+        super().__init__(situation)
+        self.wanted = []
+
+    def follow(self, trajectory, until):
+        """Note the commands, and let the time go on."""
+        steps = np.arange(round(self.time / 0.002), round(min(until, 1.0) / 0.002))
+        self.wanted += list(trajectory.joints_at(0.002 * steps)) if len(steps) else []
+        self.time = max(until, self.time)
+        self.outcome = RUNNING if until < 1.0 - 1e-9 else LATE
+
+
+@pytest.mark.parametrize("latency", [0.02, 0.05, 0.006])
+def test_commands_come_late_by_the_latency(latency):
+    """Whatever is commanded, the arm is told it so much later, and rests before."""
+    situation = replace(falling(), horizon=2.0)
+    swing = np.array([[0.0, 0.0, 0.0, -0.5], [0.6, 0.3, 0.0, -0.2], [0.0, 0.6, 0.4, -0.9]])
+
+    class Waving:
+        """Begins another movement in every fifth period."""
+
+        def wants(self, occasion):
+            return True
+
+        def plan(self, believed):
+            joints = np.stack([np.array(believed.arm.joints), swing[self.count % 3]])
+            self.count += 1
+            return Movement(believed.arm, np.array([0.0, 0.3]), joints, np.zeros((2, 4)))
+
+        count = 0
+
+    def wanted(late):
+        plant = Recorder(situation)
+        loop = Loop(EXACT, looks=2, thinking=0.1, latency=late)
+        run_closed_loop(Waving(), plant, situation, loop, 0)
+        return np.array(plant.wanted)
+
+    prompt, late, shift = wanted(0.0), wanted(latency), round(latency / 0.002)
+    assert np.ptp(prompt, axis=0).max() > 0.2
+    assert late[shift:] == pytest.approx(prompt[: len(prompt) - shift])
+    assert late[:shift] == pytest.approx(np.tile(ARM.joints, (shift, 1)))
+
+
+@pytest.mark.parametrize("place", [None, Place((0.3, 0.4, 0.4), 0.05)])
+def test_an_arm_that_plans_while_it_moves_grips_and_places(place):
+    """The hand closes after the hold of the plan that is followed, a latency later."""
+    arm = panda(max_joint_acceleration=(15, 7.5, 10, 12.5, 15, 20, 20))
+    belt = flight((0.5, -0.5, 0.2), (0.0, 0.3, 0.0))
+    ball = Body("target", "ball", Sphere(0.02), belt, hold=Hold(0.2, 0.05), place=place)
+    situation = among(arm, ball, horizon=2.0, end="rest")
+    told = []
+    for late in (0.0, 0.02):
+        loop = Loop(Perception(latency=late), looks=2, thinking=0.02, latency=late)
+        mind = Planning(get_planner("search"))
+        done = execute_seen(mind, situation, loop, 0, body=body_for(arm))
+        assert done.caught and done.grip.closed >= 0.2 + done.catch_time
+        assert (done.grip.opened is None) == (place is None)
+        told.append(done)
+    if place is not None:
+        assert told[0].grip.off_place <= place.within

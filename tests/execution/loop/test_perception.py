@@ -36,6 +36,21 @@ def test_a_look_is_told_when_it_is_late(situations):
     assert Perception(delay=0).told(situations[0], last, 0) is None
 
 
+@pytest.mark.parametrize("latency", [0.02, 0.05, 0.007])
+def test_late_percepts_tell_an_older_world(situations, latency):
+    """Bodies are where they were at the time that is told."""
+    eyes = Perception(latency=latency)
+    told = [(k, eyes.told(situations[0], k, 0)) for k in range(12)]
+    assert [p is None for _, p in told] == [0.02 * (k - 1) < latency - 1e-12 for k, _ in told]
+    for k, percept in told:
+        if percept is None:
+            continue
+        assert percept.time == pytest.approx(0.02 * (k - 1) - latency)
+        there = bodies_later(situations[0].bodies, percept.time)
+        for seen, body in zip(percept.bodies, there, strict=True):
+            assert seen.motion.position == pytest.approx(body.motion.position)
+
+
 def test_without_noise_all_but_accelerations_are_seen_as_they_are(situations):
     for situation in situations:
         percept = Perception().told(situation, 8, 0)

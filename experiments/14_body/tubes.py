@@ -1,18 +1,15 @@
-"""The width of the tube about plans in which an arm with mass stays."""
+"""The width of the tube about many plans, by the speed of the hand."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
 from gcm_learn.errors import PhysicsError
-from gcm_learn.execution.body.executing import Execution, execute
-from gcm_learn.execution.body.kinds import MECHANICS
+from gcm_learn.execution import MECHANICS, Execution
 from gcm_learn.execution.body.model import STEP
-from gcm_learn.planners import Plan, Tube
-from gcm_learn.situation import AnyArmBody, Situation
+from gcm_learn.planners import Tube
 
 QUANTILE = 0.99
 """Share of moments that are within the tube, at every speed."""
@@ -64,12 +61,3 @@ def _moments(done: Execution) -> np.ndarray:
     off = np.linalg.norm(there - wanted, axis=2).max(axis=1)
     speed = np.linalg.norm(np.gradient(wanted[:, -1], STEP, axis=0), axis=1)
     return np.stack([speed, off], axis=1) * plant.body.metres
-
-
-def tube_about(plan: Plan, situation: Situation[Any], body: AnyArmBody) -> Tube:
-    """Return the tube in which an arm stays that follows a plan, in the arm's unit.
-
-    It is as wide as the largest errors, so that it needs no measurement beforehand.
-    """
-    done = execute(plan, situation, body)
-    return measured_tube([done], quantile=1.0).scaled(1.0 / body.metres)
