@@ -40,7 +40,7 @@ SLOW_BELTS = {"parts": [2, 3], "posts": [0, 1], "directed": 0.0, "pace": [0.05, 
 LIMITED = {"accelerations": [15.0, 7.5, 10.0, 12.5, 15.0, 20.0, 20.0]}
 PICKED = {"holds": {"share": 1.0}, "bins": {"share": 1.0}, "arm": LIMITED}
 PICKS = DatasetSpec(
-    "picks", seed=7, count=4, planners=("search",), map="none", shard_size=4,
+    "picks", seed=7, count=3, planners=("search",), map="none", shard_size=4,
     families=(FamilyShare("drawer-chain", config=PICKED),),
 )  # fmt: skip
 CHAINS = DatasetSpec(
