@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import re
 from dataclasses import replace
@@ -15,7 +16,7 @@ from gcm_learn.arms import as_chain, hands_along
 from gcm_learn.families import draw
 from gcm_learn.motion.movement import Movement
 from gcm_learn.motion.smoothing import half_width, smoothed, start_before
-from gcm_learn.planners import get_planner, plan_to_json
+from gcm_learn.planners import Deadline, get_planner, plan_to_json
 from gcm_learn.planners.outside import broken_promise
 from gcm_learn.referee import judge
 from gcm_learn.scene import pose
@@ -55,6 +56,21 @@ def test_what_is_held_is_held_and_the_arm_rests(name, least, jerk):
     for plan in answers([asked(name, k, jerk) for k in range(12)], least):
         assert plan.held_until == pytest.approx(plan.catch_time + 0.1)
         assert not plan.trajectory.rates[-1].any() and plan.trajectory.duration > plan.held_until
+
+
+def test_more_time_finds_earlier_holds():
+    """The clock goes on by one when it is read, so that work is counted and not timed."""
+    sooner = 0
+    for given in (asked("panda", k) for k in range(6)):
+        plans = []
+        for reads in (4, 40):
+            deadline = Deadline(reads, itertools.count(1.0).__next__)
+            plans.append(get_planner("search").plan(situation_from_json(given), deadline=deadline))
+            assert not plans[-1].caught or judge(given, plan_to_json(plans[-1])) == []
+        times = [plan.catch_time if plan.caught else np.inf for plan in plans]
+        assert times[1] <= times[0]
+        sooner += times[1] < times[0]
+    assert sooner >= 2
 
 
 def test_a_movement_may_end_with_its_hold():

@@ -59,6 +59,8 @@ search_touching = partial(search_trees, LINES)
 Begin = Callable[[JointProblem, Trees, float, JointWay], bool]
 """Plants nodes into new trees, given the last instant of a catch [s]; the way is written if they
 meet."""
+Before = Callable[[JointProblem, float, int, int], Plan]
+"""Plans a catch until an instant [s], by a seed and a number of postures that are drawn."""
 
 
 @dataclass(frozen=True)
@@ -119,7 +121,7 @@ class TreeSearch:
             seed, rounds = seed + 1, min(2 * rounds, MANY * self.rounds)
             plan = self._before(problem, end, seed, rounds)
         if plan.caught:
-            plan = self._sooner(problem, plan)
+            plan = self._sooner(problem, plan, self._before)
         return replace(plan, planning_ms=problem.elapsed_ms, nodes=problem.nodes)
 
     def _to_the_end(self, problem: JointProblem, end: float) -> Plan:
@@ -128,7 +130,7 @@ class TreeSearch:
             problem.budget[0] = WORK
         seed, left = self.seed, TWICE * self.rounds
         while True:
-            plan = EndSearch(problem, seed).plan(end, min(left, AFRESH))
+            plan = _with_end(problem, end, seed, left)
             if plan.caught and has_place(problem.situation, plan):
                 long = crossing(problem.situation.arm)
                 plan = carried(problem, plan, long, self._with_rounds)
@@ -137,12 +139,14 @@ class TreeSearch:
                 left = AFRESH
             if plan.caught or problem.over or problem.budget[0] < 0 or left <= 0:
                 break
+        if problem.deadline is not None and plan.placed is None:
+            plan = self._sooner(problem, plan, _with_end)
         return replace(plan, planning_ms=problem.elapsed_ms, nodes=problem.nodes)
 
     def _with_rounds(self, rounds: int, situation: AnySituation) -> Plan:
         return replace(self, rounds=rounds).plan(situation)
 
-    def _sooner(self, problem: JointProblem, plan: Plan) -> Plan:
+    def _sooner(self, problem: JointProblem, plan: Plan, before: Before) -> Plan:
         """Look for earlier catches than a plan's, until the deadline or in patience."""
         rounds, tries = (self.patience, 1) if problem.deadline is None else (self.rounds, VAIN)
         seed, vain = self.seed, 0
@@ -150,7 +154,7 @@ class TreeSearch:
             end, seed = plan.catch_time - problem.gain, seed + 1
             if end <= 0.0 or problem.budget[0] < 0:
                 break
-            sooner = self._before(problem, end, seed, rounds)
+            sooner = before(problem, end, seed, rounds)
             plan, vain = (sooner, 0) if sooner.caught else (plan, vain + 1)
         return plan
 
@@ -185,6 +189,11 @@ class TreeSearch:
         if found is not None:
             return found
         return problem.answer(Failure.OUT_OF_TIME if problem.over else Failure.NO_TREE)
+
+
+def _with_end(problem: JointProblem, end: float, seed: int, rounds: int) -> Plan:
+    """A catch until `end` [s] that is held, or after which the arm rests."""
+    return EndSearch(problem, seed).plan(end, min(rounds, AFRESH))
 
 
 def search_in_space(effort: float = 1.0) -> TreeSearch:
