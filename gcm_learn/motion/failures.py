@@ -41,7 +41,7 @@ class Failure(Enum):
     MISPLACED = "the target is not carried to its place"
     NO_CARRY = "{target} is held, but no way to its place was found: {reason}"
     NOT_AT_REST = "the arm does not rest at the end"
-    ENDS_LATE = "the movement ends at {when:.3f} s, after end_by"
+    ENDS_LATE = "the movement ends at {when:.3f} s, later than it may"
     ACCELERATION_UNTAKEN = "accelerations are limited, which this planner cannot keep"
     END_UNTAKEN = "this planner ends with a touch, and keeps no hold, rest or limits of jerk"
     SEVERAL_UNTAKEN = "all of {count} targets have to be caught, and this planner catches one"

@@ -228,6 +228,16 @@ def hold_fault_on(scene, b, since, until, curve, span, begin, limits, work):
 
 
 @njit(_nrt=False)
+def _fault_before(scene, b, t, curve, span, begin, limits, work):
+    """SLIPPED, or what is broken by the law that ends at t [s], if one does."""
+    laws = scene.bodies
+    p = bodies.piece_at(laws, b, t) if laws.rows[b, bodies.PIECES] > 0.0 else 0
+    if p == 0 or bodies.of_piece(laws, b, p, bodies.START) < t:
+        return SLIPPED
+    return part_fault(scene, b, p - 1, begin, curve, span, (t, t), limits, work)
+
+
+@njit(_nrt=False)
 def hold_limits(scene, b):
     """Largest distance and relative speed of a hold, less a hair."""
     grasp = scene.limits.grasp - 0.5 * CATCH_SAFETY * scene.limb.length
@@ -238,7 +248,8 @@ def hold_limits(scene, b):
 def catch_fault(scene, b, since, until, time, joints, rates):
     """First promise that is broken from the catch at `since` until `until` [s], or KEPT.
 
-    A touch has to be within the grasp and the approach at its instant alone.
+    A touch has to be within the grasp and the approach at its instant alone. Where the target's
+    velocity jumps at a catch without length, the hand is as fast as it on one side.
     """
     work, (grasp, speed) = work_of(scene), hold_limits(scene, b)
     curve = np.zeros((joints.shape[1], 4))
@@ -251,6 +262,8 @@ def catch_fault(scene, b, since, until, time, joints, rates):
         span = time[k + 1] - time[k]
         hermite(joints[k], rates[k], joints[k + 1], rates[k + 1], span, curve)
         fault = hold_fault_on(scene, b, begin, end, curve, span, time[k], (grasp, speed), work)
+        if fault == SLIPPED and since == until:
+            fault = _fault_before(scene, b, since, curve, span, time[k], (grasp, speed), work)
         if fault != KEPT or since == until:
             return fault
     return KEPT

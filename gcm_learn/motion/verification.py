@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -27,6 +26,7 @@ PARTS = 16  # pieces of a segment on which joint speeds are measured
 LARGEST_TURN = 0.5  # of a joint between two samples: more is a jump, e.g. at the shoulder [rad]
 HOLE_MARGIN = 1e-3  # chords between samples stay out of the hole [forearm lengths]
 STRAY = 8e-4  # of hands on joints that are linear between samples, from the path [forearm lengths]
+LONGEST = 600.0  # time after the horizon in which a movement may go on [s]
 _ROUNDING = 1e-9  # relative, of the ring's radii
 _LATER = 5e-10  # of times, relative; the contract grants 1e-9
 _RIM = 1e-6  # nearer than this to the ring's rims joint speeds have no bound [forearm lengths]
@@ -160,7 +160,8 @@ class Ask(NamedTuple):
         arm, end_by = situation.arm, situation.end_by
         jerk = None if arm.max_joint_jerk is None else np.array(arm.max_joint_jerk)
         forces = np.array(arm.joint_accelerations or (0.0,) * len(arm.joints))
-        end_by = math.inf if end_by is None else end_by
+        latest = situation.horizon + LONGEST
+        end_by = latest if end_by is None else min(end_by, latest)
         return cls(tuple(catches), jerk, forces, situation.end == "rest", end_by)
 
 

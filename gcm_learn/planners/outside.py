@@ -120,9 +120,10 @@ def _all_held(
     situation: AnySituation, moves: Movement, plan: Plan
 ) -> tuple[str | None, float | None]:
     """Return what verification says against a movement that goes on after its catches."""
-    bodies, asked, full = [body.name for body in situation.bodies], [], -np.inf
+    bodies, asked, full, last = [body.name for body in situation.bodies], [], -np.inf, 0.0
     carries: list[tuple[Carry, float]] = []
-    for one in plan.catches:
+    # at one instant, a catch without a hold comes first
+    for one in sorted(plan.catches, key=lambda one: (one["time"], one.get("held_until", 0.0))):
         number = bodies.index(one["body"])
         name, hold, time = one["body"], situation.bodies[number].hold, one["time"]
         until, seconds = one.get("held_until"), 0.0 if hold is None else hold.seconds
@@ -143,6 +144,9 @@ def _all_held(
             full = one["placed"]
             carries.append((Carry(situation, number, moves, until), full))  # type: ignore[arg-type]
         asked.append((number, time, until))
+        last = max(last, until, full)
+    if situation.end == "free" and not abs(moves.duration - last) <= PLACE_SLACK:
+        return "goes on after its last catch", None
     found, clearance = verified_anew(
         situation, moves, str(plan.catch_body), Ask.of(situation, asked)
     )
