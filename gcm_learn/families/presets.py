@@ -104,22 +104,12 @@ PRESETS: dict[str, Preset] = {
         "a Panda picks a box from a belt and puts it into a bin, under limits of jerk",
         _picks("conveyor-chain"),
     ),
-    "panda-throw": Preset(
-        "a Panda goes with a thrown ball for 0.05 s", _picks("throw-chain", holds=_BRIEF)
-    ),
-    "panda-turntable": Preset(
-        "a Panda picks a part from a turntable; half of them go into a bin",
-        _picks("turntable-chain"),
-    ),
-    "panda-pendulum": Preset(
-        "a Panda takes hold of a ball that swings on a cord", _picks("pendulum-chain")
-    ),
-    "panda-handover": Preset(
-        "a Panda takes a part out of a hand that goes on moving", _picks("handover-chain")
-    ),
+    "panda-throw": Preset("a Panda goes with a thrown ball", _picks("throw-chain", holds=_BRIEF)),
+    "panda-turntable": Preset("a Panda picks a part off a turntable", _picks("turntable-chain")),
+    "panda-pendulum": Preset("a Panda takes hold of a ball on a cord", _picks("pendulum-chain")),
+    "panda-handover": Preset("a Panda takes a part from a moving hand", _picks("handover-chain")),
     "panda-bin": Preset(
-        "a Panda puts parts from drawers and shelves into bins",
-        _picks("drawer-chain", "shelf-chain"),
+        "a Panda puts parts from furniture into bins", _picks("drawer-chain", "shelf-chain")
     ),
     "ur5-belt": Preset(
         "a UR5 picks a box from a belt and puts it into a bin", _picks("conveyor-chain", arm=_UR5)

@@ -48,6 +48,17 @@ def _hand_frame(arm: Chain, joints: np.ndarray) -> tuple[np.ndarray, np.ndarray]
     return np.array(axes).T, origin[0]
 
 
+def _gripped(
+    situation: Situation[Any], index: int, joints: np.ndarray, held: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return place (3,) and axes (3, 3) of a target in the frame of the hand's joint."""
+    poses = np.zeros((len(situation.bodies), 12))
+    poses[index, 3:] = np.eye(3).ravel()  # spheres leave it so
+    pose_at(pack_bodies(situation, max(situation.horizon, held)), index, held, poses)
+    turn, origin = _hand_frame(as_chain(situation.arm), joints)
+    return turn.T @ (poses[index, :3] - origin), turn.T @ poses[index, 3:].reshape(3, 3)
+
+
 def carrier(situation: Situation[Any], index: int, joints: np.ndarray, held: float) -> Chain:
     """Return an arm with a target in its hand, which is then the target's origin.
 
@@ -62,13 +73,9 @@ def carrier(situation: Situation[Any], index: int, joints: np.ndarray, held: flo
         When that is [s].
     """
     arm, target = as_chain(situation.arm), situation.bodies[index]
-    poses = np.zeros((len(situation.bodies), 12))
-    poses[index, 3:] = np.eye(3).ravel()  # spheres leave it so
-    pose_at(pack_bodies(situation, max(situation.horizon, held)), index, held, poses)
-    turn, origin = _hand_frame(arm, joints)
-    centre = turn.T @ (poses[index, :3] - origin)
+    centre, axes = _gripped(situation, index, joints, held)
     half, radius = capsule_of(target.shape)
-    half = turn.T @ (poses[index, 3:].reshape(3, 3) @ half)
+    half = axes @ half
     joint = arm.model.hand.joint
     link = Link(joint, tuple(centre - half), tuple(centre + half), radius, LINK)
     hand = Hand(joint, tuple(centre), arm.model.hand.axis)
@@ -96,6 +103,17 @@ class Carry:
     @cached_property
     def _carrier(self) -> Chain:
         return carrier(self.situation, self.number, self.moves.joints_at(self.held), self.held)
+
+    def poses(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return places (k, 3) and axes (k, 3, 3) of the target in the hand, in the world."""
+        joints, arm = self.moves.joints_at(times), self._carrier
+        _, axes = _gripped(self.situation, self.number, self.moves.joints_at(self.held), self.held)
+        places, shown = np.empty(0), []
+        for axis in axes.T:
+            hand = replace(arm.model.hand, axis=tuple(axis))
+            places, along = hands_along(replace(arm, model=replace(arm.model, hand=hand)), joints)
+            shown.append(along)
+        return places, np.stack(shown, axis=-1)
 
     def at(self, since: float, horizon: float, ignores: bool) -> Situation[Chain]:
         """Return the situation of a part of the carry, whose target is the place.

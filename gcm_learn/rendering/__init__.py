@@ -17,6 +17,7 @@ from gcm_learn.rendering.bodies import (
     target_way as target_way,
     tube_faces as tube_faces,
     view_of as view_of,
+    with_carries as with_carries,
 )
 from gcm_learn.rendering.camera import (
     Camera as Camera,

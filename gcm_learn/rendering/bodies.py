@@ -4,18 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from gcm_learn.motion import Movement
+from gcm_learn.arms import quaternion_of
+from gcm_learn.motion import Carry, Movement
+from gcm_learn.planners import Plan
 from gcm_learn.rendering import staging
 from gcm_learn.rendering.camera import Camera, Faces, Window, camera_from, render
 from gcm_learn.rendering.solids import arm_faces, arrow, frame_along, limb_along, placed, tube
-from gcm_learn.situation import Body
+from gcm_learn.situation import Body, Box, Sampled
 
 SMALLEST = 0.018  # of the reach: smaller targets are drawn so large
 ARROW = 0.16  # of the reach: length of an approach
+SHELL = 0.15  # alpha of margins
+CARRY = 60  # samples of a target's motion before the end of its hold, and as many of its carry
 BEFORE = 0.012  # of the reach: from the point of an approach to the target
 
 
@@ -31,6 +35,9 @@ def body_faces(
         if (roles and body.role not in roles) or (ground is not None and body is ground.body):
             continue
         yield solid_faces(situation, body, centre, turn, alpha)
+        if body.margin is not None and (wide := body.margin.now + body.margin.rate * t) > 0.0:
+            shell = replace(body, shape=_grown(body.shape, wide))
+            yield solid_faces(situation, shell, centre, turn, SHELL * alpha)
         if body.approach:
             corners = centre + approach_corners(situation, body) @ turn.T
             yield Faces(corners, staging.rgb(staging.APPROACH), alpha)
@@ -46,6 +53,37 @@ def solid_faces(
     """Return a body at its place (3,), turned by a rotation (3, 3)."""
     colour, scale = staging.rgb(staging.body_colour(body)), drawn_scale(situation, body)
     return placed(body.shape, centre, turn, colour, alpha, scale)  # type: ignore[arg-type]
+
+
+def _grown(shape: Any, by: float) -> Any:
+    """Return a shape that is larger to all sides; one that cannot be made so as it is."""
+    if isinstance(shape, Box):
+        return Box(tuple(half + by for half in shape.half_extents))  # type: ignore[arg-type]
+    return replace(shape, radius=shape.radius + by) if hasattr(shape, "radius") else shape
+
+
+def with_carries(situation: staging.JointSituation, plan: Plan | None) -> staging.JointSituation:
+    """Return a situation for pictures, whose targets go with the hand until they are placed.
+
+    Their motion is sampled; after that they rest.
+    """
+    bodies, names = list(situation.bodies), [body.name for body in situation.bodies]
+    for one in () if plan is None else plan.catches:
+        if "placed" in one:
+            assert plan is not None and plan.trajectory is not None
+            held, k = one["held_until"], names.index(one["body"])
+            first = np.linspace(0.0, held, CARRY, endpoint=False)
+            last = np.linspace(held, one["placed"], CARRY)
+            places, turns = (part[:, k] for part in staging.body_poses(situation, first))
+            there, turned = Carry(situation, k, plan.trajectory, held).poses(last)
+            rows = np.concatenate([places, there]), np.concatenate([turns, turned])
+            motion = Sampled(
+                tuple(np.concatenate([first, last]).tolist()),
+                tuple(map(tuple, rows[0].tolist())),
+                tuple(map(quaternion_of, rows[1])),
+            )
+            bodies[k] = replace(bodies[k], motion=motion)
+    return replace(situation, bodies=tuple(bodies))
 
 
 def drawn_scale(situation: staging.JointSituation, body: Body) -> float:

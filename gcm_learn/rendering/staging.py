@@ -71,8 +71,9 @@ def body_poses(situation: JointSituation, times: ArrayLike) -> tuple[np.ndarray,
     rotations : (k, m, 3, 3) ndarray
         Columns are the bodies' axes.
     """
-    bodies, (axes, origin) = pack_bodies(situation), arm_frame(situation)
     instants = np.atleast_1d(np.asarray(times, dtype=float))
+    bodies = pack_bodies(situation, max(situation.horizon, float(instants.max())))
+    axes, origin = arm_frame(situation)
     out = np.zeros((len(instants), len(situation.bodies), 12))
     out[..., 3:] = np.eye(3).ravel()  # spheres leave it so
     for t, poses in zip(instants, out, strict=True):

@@ -101,7 +101,7 @@ def test_hold_carry_and_place_are_told_in_turn():
     for t in times:
         replay.show(ax, t)
         ball = replay.view.see(replay.places(np.array([t]))[0, 0])[:2]
-        ring, cross = ax.lines[-2:]
+        cross, ring = ax.lines[-2:]
         assert np.ravel(ring.get_data()) == pytest.approx(ball)
     place = replay.view.see(np.array(situation.bodies[0].place.position))[:2]
     assert np.ravel(cross.get_data()) == pytest.approx(place)

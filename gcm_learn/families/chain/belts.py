@@ -95,14 +95,9 @@ class ConveyorChain(ChainFamily):
         return parts
 
     def _boxes(
-        self,
-        rng: np.random.Generator,
-        stage: Stage,
-        way: Way,
-        axes: np.ndarray,
-        course: np.ndarray,
-        lying: Box | None,
-    ) -> list[Body]:
+        self, rng: np.random.Generator, stage: Stage, way: Way, axes: np.ndarray,
+        course: np.ndarray, lying: Box | None,
+    ) -> list[Body]:  # fmt: skip
         """The belt and the boxes on it, before and after the meeting's place."""
         reach = stage.arm.reach
         belt = Box((0.42 * reach, 0.056 * reach, 0.014 * reach))

@@ -38,24 +38,12 @@ class Bins(Ranges):
     """Time for which a carried target may touch what it lay on [s]."""
 
     def ask(
-        self,
-        rng: np.random.Generator,
-        stage: Stage,
-        way: Way,
-        situation: Situation[Chain],
+        self, rng: np.random.Generator, stage: Stage, way: Way, situation: Situation[Chain],
         under: tuple[str, ...],
-    ) -> Situation[Chain]:
+    ) -> Situation[Chain]:  # fmt: skip
         """Return a situation with a bin and places; unchanged if no bin leaves the arm room.
 
-        Parameters
-        ----------
-        rng : numpy.random.Generator
-        stage : Stage
-        way : Way
-        situation : Situation
-            With holds.
-        under : tuple of str
-            Obstacles on which targets lie, where they are not left out.
+        Of the obstacles `under`, on which targets lie, only those count that the situation has.
         """
         under = tuple(body.name for body in situation.obstacles if body.name in under)
         hands, axes = stage.hands()
@@ -88,26 +76,12 @@ class Bins(Ranges):
 
 
 def open_box(
-    name: str,
-    bottom: np.ndarray,
-    axes: np.ndarray,
-    sizes: tuple[float, float, float],
-    thin: float,
+    name: str, bottom: np.ndarray, axes: np.ndarray, sizes: tuple[float, float, float], thin: float
 ) -> list[Body]:
     """Return the bottom and the four walls of a box that is open above.
 
-    Parameters
-    ----------
-    name : str
-        Put before the names of the boards.
-    bottom : (3,) ndarray
-        Its middle.
-    axes : (3, 3) ndarray
-        Columns: sideways twice, and up.
-    sizes : tuple of 3 floats
-        Half the sides and half the height.
-    thin : float
-        Half the thickness of the boards.
+    Its bottom's middle is at (3,), the third of its axes (3, 3) is up; sizes and `thin` are half
+    the sides, half the height and half the boards' thickness.
     """
     x, y, tall = sizes
     boards = [solid(f"{name}bottom", Box((x, y, thin)), bottom, axes)]

@@ -50,33 +50,13 @@ def sliding(body: Body, begins: float, ends: float, by: np.ndarray) -> Body:
 
 
 def arriving(body: Body, when: float, velocity: np.ndarray, drift: np.ndarray = STILL) -> Body:
-    """A body that slows down evenly until it is at its place at a time, and then drifts.
-
-    Parameters
-    ----------
-    body : Body
-        At rest.
-    when : float
-        [s]
-    velocity, drift : (3,) ndarray
-        At t = 0, and from that time on.
-    """
+    """A body that slows down evenly from a velocity (3,), and drifts from its place on then."""
     first = shifted(body, -0.5 * (velocity + drift) * when)
     return staged(first, [(0.0, velocity, (drift - velocity) / when), (when, drift, STILL)])
 
 
 def orbiting(body: Body, middle: np.ndarray, rate: float, when: float) -> Body:
-    """A ball on a turntable, at its place at a time, by an exact law that has no end.
-
-    Parameters
-    ----------
-    body : Body
-        At rest, at the height of `middle`.
-    middle : (3,) ndarray
-        On the turntable's axis.
-    rate, when : float
-        [rad/s, s]
-    """
+    """A ball that circles a middle (3,) of its height, at its place at a time, without an end."""
     out = np.array(flight(body).position) - middle
     radius = float(np.linalg.norm(out))
     swing = Pendulum(

@@ -152,14 +152,6 @@ class Replay(Scenery):
                 x, y, "o", ms=RING, mfc="none", mec=mark.colour, mew=2.2, zorder=18,
                 path_effects=[style.HALO],
             )  # fmt: skip
-        for body in self.situation.targets:
-            if body.place is not None:
-                x, y, _ = view.see(np.array(body.place.position))
-                ax.plot(x, y, "x", ms=9, color=MET, mew=2.2, zorder=17, path_effects=[style.HALO])
-                ax.annotate(
-                    "place", (x, y), (0, -RING / 2), textcoords="offset points", ha="center",
-                    va="top", fontsize=style.SMALL, color=MET, path_effects=[style.HALO], zorder=17,
-                )  # fmt: skip
 
     def mark_at(self, t: float) -> Mark | None:
         """Return the mark of the phase at time t [s], if there is one."""

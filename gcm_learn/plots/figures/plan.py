@@ -53,13 +53,17 @@ def _headline(plan: Plan, waiting: float) -> str:
     if plan.catch_time is None:
         return f"{plan.name} · {plan.planner}: {plan.status.replace('_', ' ')}\n{plan.message}"
     when = f"caught {plan.catch_body!r} after {plan.catch_time:.3f} s"
+    for word, time in (("held until", plan.held_until), ("placed at", plan.placed)):
+        when += "" if time is None else f", {word} {time:.3f} s"
     if plan.map is not None:
         when += f" = {plan.catch_time / plan.map.kappa:.0f} τ"
     if waiting:
         when += f", {waiting:.2f} s of it waiting"
     known = plan.clearance is not None and np.isfinite(plan.clearance)
     space = f", clearance {plan.clearance:.3f}" if known else ""
-    return f"{plan.name} · {plan.planner}: {when}{space}, planned in {plan.planning_ms:.1f} ms"
+    after = " " if plan.held_until is None else "\n"
+    told = f"{when}{space}, planned in {plan.planning_ms:.1f} ms"
+    return f"{plan.name} · {plan.planner}:{after}{told}"
 
 
 @dataclass(frozen=True)

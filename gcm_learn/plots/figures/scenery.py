@@ -6,9 +6,9 @@ they hide.  Paths are coloured by time; places of one colour belong to one time.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -33,6 +33,8 @@ SEEN = 0.02  # of half a film's picture: radius of the smallest target
 HELD = 6  # instants of a movement that a film's picture has to hold
 WHOLE = 1.8  # [reaches] from the base: obstacles up to there are whole in a film
 MARGIN = 0.05  # [reaches] about what a film's picture holds
+PLACED: dict[str, Any] = {"marker": "x", "ls": "", "ms": 9, "color": style.GOOD, "mew": 2.2}
+HELD_AS: dict[str, Any] = {"lw": 4.5, "color": style.INK, "zorder": 3.5}
 EYES = 2.0  # distance of a film's eye, in that of the farthest target
 
 
@@ -112,6 +114,8 @@ class Scenery:
         of the target that is met, and obstacles near the arm.
     turns : bool
         The picture holds all this while the camera turns, too.
+    catches : sequence of mapping
+        Of the plan, whose holds are shown.
     """
 
     def __init__(
@@ -121,8 +125,9 @@ class Scenery:
         view: rendering.Camera | None = None,
         *,
         turns: bool = False,
+        catches: Sequence[Mapping[str, Any]] = (),
     ) -> None:
-        self.situation, self.trajectory = situation, trajectory
+        self.situation, self.trajectory, self.catches = situation, trajectory, catches
         self.end = situation.horizon if trajectory is None else trajectory.duration
         self.way = self._way()
         held = [part for t in np.linspace(0.0, self.end, HELD) for part in self._held(t)]
@@ -188,6 +193,8 @@ class Scenery:
             self._drawn = (t, turn, pixels, image)
         show_image(ax, self._drawn[3], self.window_at(t))
         self._show_targets(ax, t, turn)
+        view = rendering.turned_view(self.view, turn)
+        draw_asked(ax, self.situation, view, self.trajectory, self.catches, t)
 
     def _show_targets(self, ax: Axes, t: float, turn: float) -> None:
         """Draw the rims of the targets over what hides them; far ones as discs."""
@@ -209,6 +216,7 @@ def draw_poses(
     *,
     count: int = GHOSTS,
     pixels: int = rendering.PIXELS,
+    catches: Sequence[Mapping[str, Any]] = (),
 ) -> Axes:
     """Draw a movement: the arm at several instants, later ones darker, with the hand's path.
 
@@ -228,7 +236,29 @@ def draw_poses(
         window,
     )
     show_through(ax, view, trajectory.hand_at(np.linspace(0.0, end, rendering.SAMPLES)))
+    draw_asked(ax, situation, view, trajectory, catches)
     return ax
+
+
+def draw_asked(
+    ax: Axes,
+    situation: rendering.JointSituation,
+    view: rendering.Camera,
+    trajectory: Movement | None,
+    catches: Sequence[Mapping[str, Any]] = (),
+    until: float = np.inf,
+) -> None:
+    """Draw the places of targets, and over the hand's path the holds until a time [s]."""
+    for body in situation.targets:
+        if body.place is not None:
+            x, y, _ = view.see(np.array(body.place.position))
+            ax.plot(x, y, zorder=17, path_effects=[style.HALO], **PLACED)
+    for one in catches:
+        assert trajectory is not None
+        ends = one["time"], min(one.get("held_until", one["time"]), until)
+        if ends[0] < ends[1]:
+            path = view.see(trajectory.hand_at(np.linspace(*ends, GHOSTS**2)))
+            ax.plot(*path[:, :2].T, **HELD_AS, path_effects=[style.HALO])
 
 
 def _moments(situation: rendering.JointSituation, trajectory: Movement, count: int) -> np.ndarray:
@@ -275,6 +305,10 @@ def key_below(figure: Figure, situation: rendering.JointSituation) -> None:
     ]
     if any(body.approach for body in situation.bodies):
         handles[2:2] = [Patch(color=rendering.APPROACH, label="approach")]
+    if any(body.hold for body in situation.bodies):
+        handles.append(Line2D([], [], label="hold", **HELD_AS))
+    if any(body.place for body in situation.bodies):
+        handles.append(Line2D([], [], label="place", **PLACED))
     figure.legend(
         handles=handles, loc="outside lower center", ncols=len(handles), fontsize=style.SMALL,
         frameon=False, labelcolor=style.INK, handlelength=1.6, columnspacing=1.4,

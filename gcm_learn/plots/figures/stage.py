@@ -53,7 +53,8 @@ class JointPictures:
     waiting = 0.0
 
     def __init__(self, situation: rendering.JointSituation, plan: Plan | None = None) -> None:
-        self.situation, self.plan = situation, plan
+        self.situation, self.plan = rendering.with_carries(situation, plan), plan
+        self.catches = () if plan is None else plan.catches
         self.trajectory: Any = None if plan is None else plan.trajectory
         self.map = plan.map if plan is not None and fills_ball(plan.map) else None
 
@@ -100,7 +101,10 @@ class JointPictures:
         self, ax: Axes, pixels: int = rendering.PIXELS, *, view: rendering.Camera | None = None
     ) -> None:
         """Draw the arm and the bodies at several instants over each other."""
-        draw_poses(ax, self.situation, self.trajectory, view or self.view, pixels=pixels)
+        draw_poses(
+            ax, self.situation, self.trajectory, view or self.view, pixels=pixels,
+            catches=self.catches,
+        )  # fmt: skip
         time_bar(ax, self.trajectory.duration)
 
     def draw_record(
@@ -116,8 +120,9 @@ class JointPictures:
 
         The second one shows hand-space where there is a map of it, else the arm from above.
         """
-        level = Scenery(self.situation, self.trajectory, turns=True)
-        above = Scenery(self.situation, self.trajectory, rendering.from_above(level.view))
+        shown, catches = (self.situation, self.trajectory), self.catches
+        level = Scenery(*shown, turns=True, catches=catches)
+        above = Scenery(*shown, view=rendering.from_above(level.view), catches=catches)
         charted = self.map is not None
         windows = (level.window, ball_window(self.situation) if charted else above.window)
         names = ("work-space", "hand-space" if charted else "from above")

@@ -111,7 +111,7 @@ def page_data(situation: rendering.JointSituation, plan: Plan) -> dict[str, Any]
 
     Catches are listed where several are wanted, with name, time [s] and place (3,).
     """
-    moves = plan.trajectory
+    moves, situation = plan.trajectory, rendering.with_carries(situation, plan)
     times = np.linspace(0.0, situation.horizon if moves is None else moves.duration, FRAMES)
     caught = _caught(situation, plan)
     solids = [*_bodies(situation, times, caught), *_limb(situation, moves, times)]
@@ -123,8 +123,8 @@ def page_data(situation: rendering.JointSituation, plan: Plan) -> dict[str, Any]
         "solids": solids,
         "ways": [] if moves is None else list(_ways(situation, moves)),
         "catches": [
-            {"name": name, "time": round(time, DIGITS), "place": _short(moves.hand_at(time))}
-            for name, time in (caught or {}).items()
+            {"name": n, "time": round(c["time"], DIGITS), "place": _short(moves.hand_at(c["time"]))}
+            for n, c in (caught or {}).items()
             if moves is not None
         ],
         "box": box.tolist(),
@@ -158,15 +158,15 @@ def _eye(scenery: Scenery, box: np.ndarray) -> np.ndarray:
     return eye
 
 
-def _caught(situation: rendering.JointSituation, plan: Plan) -> dict[str, float] | None:
-    """Return when targets are caught [s], by name, where several are wanted; else None."""
+def _caught(situation: rendering.JointSituation, plan: Plan) -> dict[str, Any] | None:
+    """Return the catches by the names of targets where several are wanted; else None."""
     if situation.catch == "any" or plan.trajectory is None:
         return None
-    return {catch["body"]: catch["time"] for catch in plan.catches}
+    return {catch["body"]: catch for catch in plan.catches}
 
 
 def _bodies(
-    situation: rendering.JointSituation, times: np.ndarray, caught: dict[str, float] | None
+    situation: rendering.JointSituation, times: np.ndarray, caught: dict[str, Any] | None
 ) -> list[dict[str, Any]]:
     """Return the bodies, and the arrows of their approaches."""
     (centres, turns), ground = (
@@ -178,7 +178,7 @@ def _bodies(
         seen: dict[str, Any] = {"hands": body.role == "target"}
         missed = caught is not None and body.role == "target" and body.name not in caught
         if caught is not None and body.name in caught:
-            seen["until"] = caught[body.name]
+            seen["until"] = max(t for key, t in caught[body.name].items() if key != "body")
         flat = rendering.has_edges(body.shape)  # type: ignore[arg-type]
         corners = rendering.drawn_scale(situation, body) * rendering.faces(body.shape, np.inf)  # type: ignore[arg-type]
         poses = (centres[:, k], turns[:, k])
@@ -188,6 +188,12 @@ def _bodies(
         if body.approach:
             arrow, name = rendering.approach_corners(situation, body), f"approach of {body.name}"
             out.append(_solid(arrow, name, rendering.APPROACH, *poses, flat=True) | seen)
+        if body.place is not None:
+            ball, name = rendering.faces(Sphere(body.place.within), np.inf), "place of " + body.name
+            there = np.tile(body.place.position, (len(times), 1))
+            upright = np.broadcast_to(np.eye(3), (len(times), 3, 3))
+            place = _solid(ball, name, style.GOOD, there, upright)
+            out.append(place | {"opacity": 0.4, "hands": False})
     return out
 
 
