@@ -1,4 +1,4 @@
-"""What does a hold spare an arm, and what does latency cost it? Writes gripper.json.
+"""What does a hold spare an arm, and what does latency cost it? Writes gripper.json and pick.gif.
 
 python -m experiments 14_body/gripper
 
@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from gcm_learn.arms import Chain
 from gcm_learn.execution import (
     Execution,
     Loop,
@@ -27,7 +28,18 @@ from gcm_learn.execution import (
 )
 from gcm_learn.families import draw
 from gcm_learn.planners import InTube, get_planner
-from gcm_learn.situation import Hold
+from gcm_learn.plots import animate_execution
+from gcm_learn.situation import (
+    Approach,
+    Body,
+    Box,
+    Hold,
+    Place,
+    Situation,
+    SolidQuadratic,
+    Sphere,
+    shipped_arm,
+)
 from gcm_learn.storage import write_whole
 
 HERE = Path(__file__).resolve().parent
@@ -35,6 +47,7 @@ PRESETS, SEED, COUNT = ("panda-easy", "panda-crowded"), 1413, 40
 HOLD = Hold(0.2, 0.1)
 LIMITS = (15.0, 7.5, 10.0, 12.5, 15.0, 20.0, 20.0)
 """Of accelerations: the Panda's own [rad/s^2]."""
+HOME = (0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785)
 LATENCIES = (0, 20, 50)  # [ms]
 THINKING = 0.02
 """Time that every thought takes [s]."""
@@ -87,6 +100,25 @@ def impacts(pairs: list[tuple[Execution, Execution]]) -> dict[str, Any]:
     }
 
 
+def film() -> None:
+    """Film a Panda that picks a box from a belt."""
+    limits: Any = {"max_joint_acceleration": LIMITS, "max_joint_jerk": (3750.0,) * 7}
+    panda = Chain(shipped_arm("panda"), HOME, grasp=0.03, **limits)
+    still = (0.0, 0.0, 0.0)
+    belt = SolidQuadratic((0.5, -0.4, 0.2), (0.0, 0.3, 0.0), still)
+    swing = SolidQuadratic((0.6, 0.5, 0.7), (0.0, -0.4, 0.0), still)
+    down, hold, place = (
+        Approach((0.0, 0.0, -1.0), 0.3),
+        Hold(0.2, 0.05),
+        Place((0.3, 0.4, 0.4), 0.02),
+    )
+    part = Body("target", "part", Box((0.03,) * 3), belt, (down,), hold, place)
+    bodies = part, Body("obstacle", "ball", Sphere(0.12), swing)
+    situation: Any = Situation("pick", 2.0, panda, bodies, end="rest")
+    done = execute(PLANNER.plan(situation), situation)
+    animate_execution(situation, done, HERE / "pick.gif", frames=28, views=8)
+
+
 def main() -> None:
     """Execute holds and touches, with all known and in the closed loop."""
     table: dict[str, Any] = {"seed": SEED, "situations": COUNT}
@@ -106,6 +138,7 @@ def main() -> None:
             counts = {s: sum(one.status == s for one in done) for s in ("caught", "collided")}
             table["latency"][f"{name} {latency}"] = counts
             print(name, latency, counts, flush=True)
+    film()
     write_whole(HERE / "gripper.json", (json.dumps(table, indent=1) + "\n").encode())
     print(json.dumps(table, indent=1))
 

@@ -58,6 +58,16 @@ def test_nothing_is_gripped_that_is_out_of_reach():
         assert plant.targets_log[plant.steps, :3] == pytest.approx(law, abs=1e-9)
 
 
+@pytest.mark.parametrize("speed", [0.55, 0.7, 0.9])
+def test_a_target_is_gripped_in_the_moment_in_which_it_comes_within_grasp(speed):
+    """The gripper closes with the first step from then on, not with the nearest one."""
+    comes = 0.4 - (PANDA.grasp + 0.02) / speed
+    plant = GrippingPlant(passing((0.0, speed, 0.0)), body_for(PANDA), until=1.0)
+    plant.follow(resting(comes + 1e-9), 0.6)
+    assert plant.outcome == CAUGHT
+    assert comes <= plant.gripped.closed < comes + STEP
+
+
 def test_what_is_put_down_rests_and_others_are_not_disturbed():
     """Two plants of one model grip at different times."""
     place = Place(tuple(HAND + (0.0, 0.01, 0.0)), 0.02)
@@ -115,7 +125,8 @@ def test_grips_need_not_fall_on_steps(picked, delay):
         rates=np.vstack([moves.rates[:1], moves.rates]),
     )
     times = {name: getattr(plan, name) + delay for name in ("catch_time", "held_until", "placed")}
-    found = execute(replace(plan, trajectory=later, **times), situation)
+    brief = replace(situation, horizon=plan.catch_time + 0.05)
+    found = execute(replace(plan, trajectory=later, **times), brief)
     assert found.caught and found.grip.opened == pytest.approx(done.grip.opened, abs=0.004)
 
 

@@ -392,9 +392,10 @@ def test_an_arm_that_plans_while_it_moves_grips_and_places(place):
     told = []
     for late in (0.0, 0.02):
         loop = Loop(Perception(latency=late), looks=2, thinking=0.02, latency=late)
-        mind = Planning(get_planner("search"))
-        done = execute_seen(mind, situation, loop, 0, body=body_for(arm))
+        noted = Noted()
+        done = execute_seen(Planning(noted), situation, loop, 0, body=body_for(arm))
         assert done.caught and done.grip.closed >= 0.2 + done.catch_time
+        assert min(asked.horizon for asked in noted.asked) >= 2.0 - done.grip.closed
         assert (done.grip.opened is None) == (place is None)
         told.append(done)
     if place is not None:
