@@ -55,6 +55,9 @@ class Arm:
     max_acceleration: Annotated[Numbers | None, given("A ...", "no limits")] = None
     """largest accelerations of the joints [rad/s^2 or lengths/s^2], one or all"""
 
+    max_jerk: Annotated[Numbers | None, given("J ...", "no limits")] = None
+    """with --max-acceleration: largest jerk of the joints [rad/s^3 or lengths/s^3], one or all"""
+
     torque: Annotated[Numbers | None, given("T ...", "the file's")] = None
     """with --body: largest torques of the motors [N m, or N of prismatic joints], one or all"""
 
@@ -148,8 +151,8 @@ class Arm:
             robot, self.base, self.tip,
             point=self.point, axis=self.axis, at=_values(self.at),
             max_speed=self.max_speed, max_acceleration=self.max_acceleration,
-            torque=self.torque, armature=self.armature,
-            tool=self.tool, capsules=self.capsules, name=self.name, source=self.source,
+            max_jerk=self.max_jerk, torque=self.torque, armature=self.armature, tool=self.tool,
+            capsules=self.capsules, name=self.name, source=self.source,
         )  # fmt: skip
 
     def _draw(self, fitted: Fitted, place: Path) -> None:

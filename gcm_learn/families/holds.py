@@ -10,7 +10,7 @@ import numpy as np
 from gcm_learn.arms import Chain, SpatialArm
 from gcm_learn.families.family import TINY
 from gcm_learn.families.ranges import Range, Ranges, number, pick, span
-from gcm_learn.situation import Body, Hold, Margin, Situation, SolidQuadratic
+from gcm_learn.situation import Body, Hold, Margin, Situation, SolidQuadratic, with_end
 
 SituationT = TypeVar("SituationT", bound=Situation[Chain] | Situation[SpatialArm])
 
@@ -43,8 +43,8 @@ class Holds(Ranges):
                 return replace(body, hold=hold)
             return replace(body, margin=margin) if moves(body) else body
 
-        bodies = tuple(map(asked, situation.bodies))
-        return replace(situation, bodies=bodies, end="rest", format="")
+        rests = with_end(situation, "rest")
+        return replace(rests, bodies=tuple(map(asked, situation.bodies)))  # type: ignore[return-value]
 
 
 def moves(body: Body) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +14,16 @@ from gcm_learn.arms import SpatialArm, chain_of, frames_at, hands_along, read_ro
 from gcm_learn.cli import main
 from gcm_learn.errors import RobotError
 from gcm_learn.families.space.arms import HUMAN, NAO
-from gcm_learn.situation import arm_names, read_arm, shipped_arm
+from gcm_learn.referee import examine
+from gcm_learn.situation import (
+    arm_names,
+    arm_to_json,
+    read_arm,
+    read_situations,
+    shipped_arm,
+    situation_to_json,
+)
+from tests.motion.controllers import franka_fault, read_table
 
 URDF = """<robot name="elbow">
  <link name="world"/>
@@ -207,8 +217,12 @@ def test_the_command_writes_an_arm_that_is_read_again(elbow, tmp_path, capsys):
     given = {"point": POINT, "at": {"grip": 0.4}, "capsules": 1}
     same = chain_of(read_robot(elbow), "foot", "palm", **given)
     assert model == same.model
+    limits = ["--max-acceleration", "9", "--max-jerk", "40", "50", "60"]
+    assert main([*command, *limits, "--out", str(out)]) == 0
+    assert [joint.max_jerk for joint in read_arm(out).joints] == [40.0, 50.0, 60.0]
+    capsys.readouterr()
     assert main(command) == 0
-    assert json.loads(capsys.readouterr().out) == json.loads(out.read_text("utf-8"))
+    assert json.loads(capsys.readouterr().out) == arm_to_json(model)
 
 
 @pytest.mark.parametrize(
@@ -342,6 +356,28 @@ def test_the_how_to_runs(elbow, tmp_path, monkeypatch, capsys):
         capsys.readouterr()
         exec(compile(example, str(page), "exec"), names)
         assert capsys.readouterr().out == text
+
+
+@pytest.mark.slow
+def test_the_pick_of_the_how_to_is_placed_and_runs_at_a_kilohertz(tmp_path, monkeypatch):
+    page = Path(__file__).parents[2] / "docs" / "robots.md"
+    (scene,) = re.findall(r"^```json\n(.*?)^```", page.read_text("utf-8"), re.M | re.S)
+    monkeypatch.chdir(tmp_path)
+    limits = (15.0, 7.5, 10.0, 12.5, 15.0, 20.0, 20.0)
+    panda = shipped_arm("panda")
+    joints = tuple(
+        replace(joint, max_acceleration=a, max_jerk=500.0 * a)
+        for joint, a in zip(panda.joints, limits, strict=True)
+    )
+    Path("arm.json").write_text(json.dumps(arm_to_json(replace(panda, joints=joints))), "utf-8")
+    Path("scene.json").write_text(scene, "utf-8")
+    asked = ["--trajectories", "moves", "--as", "csv", "--rate", "1000", "--out", "answer.jsonl"]
+    assert main(["solve", "scene.json", *asked]) == 0
+    answer = json.loads(Path("answer.jsonl").read_text("utf-8"))
+    (situation,) = read_situations("scene.json")
+    assert answer["catches"][0]["placed"] > answer["catches"][0]["held_until"]
+    assert not examine(situation_to_json(situation), answer).complaints
+    assert franka_fault(read_table(Path("moves/my-belt.csv").read_text("utf-8"))) is None
 
 
 @pytest.mark.parametrize(("name", "build"), [("nao", NAO), ("human", HUMAN)])

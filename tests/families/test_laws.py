@@ -1,5 +1,6 @@
 """Families do what they say: geometry of each law, and what planners make of it."""
 
+import json
 import math
 from dataclasses import replace
 
@@ -8,6 +9,7 @@ import pytest
 
 from gcm_learn import seeding, situation as records
 from gcm_learn.arms import Arm
+from gcm_learn.errors import SituationError
 from gcm_learn.families import PRESETS, draw, family_names, get_family, layout, preset_families
 from gcm_learn.families.pieces import UPRIGHT, PlanarPiece, SpaceRanges, planar_body, solid_body
 from gcm_learn.motion.rules import start_clearance
@@ -312,6 +314,17 @@ def test_what_is_held_ends_at_rest_and_only_movers_have_margins(name):
             rests = all(np.array_equal(a, b) for a, b in zip(first, last, strict=True))
             assert body.margin is None or not rests
             assert rests or (body.margin is not None) == (holds.growth[1] > 0.0)
+
+
+def test_limits_of_jerk_of_an_arm_file_count_where_targets_are_held(tmp_path):
+    model = records.shipped_arm("panda")
+    joints = (replace(j, max_acceleration=10.0, max_jerk=4e3) for j in model.joints)
+    path = tmp_path / "smooth.json"
+    path.write_text(json.dumps(records.arm_to_json(replace(model, joints=tuple(joints)))), "utf-8")
+    assert draw("panda-belt", 1, 0, arm=str(path)).arm.max_joint_jerk == (4e3,) * 7
+    assert draw("throw-chain", 1, 0, arm=str(path)).arm.max_joint_jerk is None
+    with pytest.raises(SituationError, match="needs limits of acceleration"):
+        draw("panda-belt", 1, 0, arm="panda")
 
 
 def test_a_part_on_a_turntable_goes_round_and_on_after_the_horizon():

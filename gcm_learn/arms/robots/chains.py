@@ -90,6 +90,7 @@ def chain_of(
     at: Mapping[str, float] | None = None,
     max_speed: Sequence[float] | None = None,
     max_acceleration: Sequence[float] | None = None,
+    max_jerk: Sequence[float] | None = None,
     torque: Sequence[float] | None = None,
     armature: Sequence[float] | None = None,
     tool: float | None = None,
@@ -114,8 +115,8 @@ def chain_of(
     at : dict of str to float
         Values of joints that stand still [rad or lengths]; 0, or the nearest that is allowed, if
         not given.
-    max_speed, max_acceleration : (n,) sequence of float, optional
-        Of the coordinates, that is, of joints that follow no other [rad/s, rad/s^2 or lengths];
+    max_speed, max_acceleration, max_jerk : (n,) sequence of float, optional
+        Of the coordinates, that is, of joints that follow no other [rad/s, rad/s^2, rad/s^3];
         speeds are those of the file else.
     torque, armature : (n,) sequence of float, optional
         Of the chain's motors, see `Drive`; those of the file else.
@@ -139,12 +140,13 @@ def chain_of(
     moving = [one.joint for one in placed if one.follows is None]
     speeds = iter(_listed(max_speed, "max_speed", moving))
     forces = iter(_listed(max_acceleration, "max_acceleration", moving))
+    jerks = iter(_listed(max_jerk, "max_jerk", moving))
     joints: list[ChainJoint] = []
     for k, one in enumerate(placed):
         if one.follows is None:
-            joints.append(_chain_joint(one, k, None, next(speeds), next(forces)))
+            joints.append(_chain_joint(one, k, None, next(speeds), next(forces), next(jerks)))
         else:
-            joints.append(_chain_joint(one, k, joints[one.follows.joint - 1], None, None))
+            joints.append(_chain_joint(one, k, joints[one.follows.joint - 1]))
     last, pose = frames[tip]
     hand = Hand(last, _tuple(pose[:3, :3] @ point + pose[:3, 3]), _tuple(pose[:3, :3] @ axis))
     solids = _solids(robot, frames)
@@ -196,8 +198,9 @@ def _way(robot: Robot, base: str, tip: str) -> list[RobotJoint]:
 
 
 def _chain_joint(
-    placed: Placed, k: int, leader: ChainJoint | None, speed: float | None, force: float | None
-) -> ChainJoint:
+    placed: Placed, k: int, leader: ChainJoint | None, speed: float | None = None,
+    force: float | None = None, jerk: float | None = None,
+) -> ChainJoint:  # fmt: skip
     """Return joint k (from 0) of the arm; a follower without limits has those of its leader."""
     joint, pose, line = placed.joint, placed.pose, placed.follows
     speed = joint.max_speed if speed is None else speed
@@ -223,6 +226,7 @@ def _chain_joint(
             origin=_tuple(pose[:3, 3]),
             rotation=_tuple(quaternion),
             max_acceleration=force,
+            max_jerk=jerk,
             name=joint.name,
             parent=None if placed.parent == k else placed.parent,
             follows=line,

@@ -46,6 +46,7 @@ class Bins(Ranges):
         Of the obstacles `under`, on which targets lie, only those count that the situation has.
         """
         under = tuple(body.name for body in situation.obstacles if body.name in under)
+        others = [body for body in situation.bodies if body not in stage.floor]
         hands, axes = stage.hands()
         near, far = np.array(self.away) * stage.arm.reach
         gaps = np.linalg.norm(hands - way.meet, axis=1)
@@ -53,7 +54,7 @@ class Bins(Ranges):
         for k in rng.permutation(ends)[:TRIES]:
             bin_ = self._bin(rng, stage, hands[k])
             other = way._replace(end=stage.joints[k], when=stage.horizon)
-            if stage.fits(way, bin_) and stage.fits(other, (*situation.bodies, *bin_)):
+            if stage.fits(way, bin_) and stage.fits(other, (*others, *bin_)):
                 place = Place(triple(hands[k]), stage.size(rng, self.within))
                 lift = pick(rng, self.lift) if under else None
                 bodies = (
