@@ -30,6 +30,7 @@ from gcm_learn.arms.kinds import (
 )
 from gcm_learn.arms.kinematics import (
     forward_in_space as forward_in_space,
+    hand_frame as hand_frame,
     hand_speed as hand_speed,
     hands_along as hands_along,
     links_along as links_along,

@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from gcm_learn.arms.chain import Chain
+from gcm_learn.arms.chain_limb import limb_of_chain
 from gcm_learn.arms.kinds import kind_of
 from gcm_learn.arms.limbs import axis_of, hand_of, jacobian, link, link_count, place
 from gcm_learn.arms.rotations import rotation_of
@@ -108,6 +110,17 @@ def hands_along(arm: Any, joints: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
     """
     _, _, hands = _traced(arm, joints)
     return _in_world(arm, hands[:, :3]), hands[:, 3:] @ rotation_of(arm.base.rotation).T
+
+
+def hand_frame(arm: Chain, joints: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return rotation (3, 3) and origin (3,) of the frame of the hand's joint, in the base.
+
+    The posture has one number for each coordinate (n,).
+    """
+    limb = limb_of_chain(arm)
+    place(limb, joints)
+    frame = limb.frames[limb.carriers[-1]]
+    return frame[:9].reshape(3, 3), frame[9:]
 
 
 def hand_speed(arm: Any, joints: ArrayLike, rates: ArrayLike) -> float:

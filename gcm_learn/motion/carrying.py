@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from gcm_learn.arms import IDENTITY, Chain, Hand, Link, as_chain, hands_along
+from gcm_learn.arms import Chain, Hand, Link, as_chain, hand_frame, hands_along
 from gcm_learn.motion.failures import Failure
 from gcm_learn.motion.movement import SAME, Movement
 from gcm_learn.motion.rules import rules_of
@@ -36,18 +36,6 @@ def capsule_of(shape: Any) -> tuple[np.ndarray, float]:
     return axis, float(np.linalg.norm(half - axis))
 
 
-def _hand_frame(arm: Chain, joints: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return rotation (3, 3) and origin (3,) of the frame of the hand's joint, in the base."""
-    axes, bare = [], replace(arm, base=IDENTITY)
-    for axis in np.eye(3):
-        hand = Hand(arm.model.hand.joint, (0.0, 0.0, 0.0), tuple(axis))
-        origin, along = hands_along(
-            replace(bare, model=replace(arm.model, hand=hand)), joints[None]
-        )
-        axes.append(along[0])
-    return np.array(axes).T, origin[0]
-
-
 def _gripped(
     situation: Situation[Any], index: int, joints: np.ndarray, held: float
 ) -> tuple[np.ndarray, np.ndarray]:
@@ -55,7 +43,7 @@ def _gripped(
     poses = np.zeros((len(situation.bodies), 12))
     poses[index, 3:] = np.eye(3).ravel()  # spheres leave it so
     pose_at(pack_bodies(situation, max(situation.horizon, held)), index, held, poses)
-    turn, origin = _hand_frame(as_chain(situation.arm), joints)
+    turn, origin = hand_frame(as_chain(situation.arm), joints)
     return turn.T @ (poses[index, :3] - origin), turn.T @ poses[index, 3:].reshape(3, 3)
 
 
@@ -115,7 +103,9 @@ class Carry:
             shown.append(along)
         return places, np.stack(shown, axis=-1)
 
-    def at(self, since: float, horizon: float, ignores: bool) -> Situation[Chain]:
+    def at(
+        self, since: float, horizon: float, ignores: bool, moves: Movement | None = None
+    ) -> Situation[Chain]:
         """Return the situation of a part of the carry, whose target is the place.
 
         Parameters
@@ -126,10 +116,12 @@ class Carry:
             Time in which the target has to be placed [s].
         ignores : bool
             Whether supports are ignored.
+        moves : Movement, optional
+            By which the target is carried, if that is another one.
         """
         situation, target = self.situation, self.target
         assert target.place is not None
-        arm = _standing(self._carrier, self.moves, since)
+        arm = _standing(self._carrier, moves or self.moves, since)
         supports = tuple((LINK, name) for name in target.ignore if ignores)
         size, still = DEPTH * target.place.within, (0.0, 0.0, 0.0)
         law = SolidQuadratic(target.place.position, still, still)
@@ -146,18 +138,23 @@ class Carry:
             end_by=None if situation.end_by is None else situation.end_by - since,
         )
 
-    def fault(self, placed: float) -> tuple[Failure | None, float, float]:
-        """Return what is wrong with the movement until a time, its clearance, and when [s]."""
-        least = np.inf
+    def fault(
+        self, placed: float, moves: Movement | None = None
+    ) -> tuple[Failure | None, float, float]:
+        """Return what is wrong with a movement until a time, its clearance, and when [s].
+
+        The movement is the carry's own by default.
+        """
+        least, whole = np.inf, moves or self.moves
         for since, until, ignores in self._parts(placed):
-            part = self.at(since, until - since, ignores)
-            scene, moves = pack(part, until - since), _between(self.moves, since, until, part.arm)
+            part = self.at(since, until - since, ignores, whole)
+            scene, piece = pack(part, until - since), _between(whole, since, until, part.arm)
             rules = rules_of(scene)._replace(touch=scene.limb.thickness)
-            failure, distance, when = judge_joints(scene, rules, moves, -1)
+            failure, distance, when = judge_joints(scene, rules, piece, -1)
             if failure is not None:
                 return failure, 0.0, since + when
             least = min(least, distance)
-        end = hands_along(part.arm, moves.joints[-1:])[0][0]
+        end = hands_along(part.arm, piece.joints[-1:])[0][0]
         off = float(np.linalg.norm(end - np.array(self.target.place.position)))  # type: ignore[union-attr]
         far = off > self.target.place.within + SLACK  # type: ignore[union-attr]
         return Failure.MISPLACED if far else None, least, placed

@@ -75,7 +75,7 @@ def _joined(problem: JointProblem, plan: Plan, carry: Carry, way: Plan) -> Plan 
     verdict = verify(scene, problem.rules, whole, carry.number, ask)
     if not verdict.good:
         return None
-    failure, clearance, _ = replace(carry, moves=whole).fault(placed)
+    failure, clearance, _ = carry.fault(placed, whole)
     if failure is not None:
         return None
     return replace(

@@ -84,7 +84,9 @@ class EndSearch:
             averaged = smoothed(moves, self.forces, self.half, np.unique(catch))
             if averaged is None:
                 return None
-            moves = averaged
+            arm, moves = self.problem.situation.arm, averaged
+            assert moves.rates is not None
+            moves.joints[0], moves.rates[0] = arm.joints, arm.joint_rates  # to the last digit
         return checked(self.problem, Attempt(moves, int(self.ends.body[e]), *map(float, catch)))[0]
 
     def _joined(self, way: JointWay) -> Movement:
