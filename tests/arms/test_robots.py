@@ -363,12 +363,9 @@ def test_the_pick_of_the_how_to_is_placed_and_runs_at_a_kilohertz(tmp_path, monk
     page = Path(__file__).parents[2] / "docs" / "robots.md"
     (scene,) = re.findall(r"^```json\n(.*?)^```", page.read_text("utf-8"), re.M | re.S)
     monkeypatch.chdir(tmp_path)
-    limits = (15.0, 7.5, 10.0, 12.5, 15.0, 20.0, 20.0)
     panda = shipped_arm("panda")
-    joints = tuple(
-        replace(joint, max_acceleration=a, max_jerk=500.0 * a)
-        for joint, a in zip(panda.joints, limits, strict=True)
-    )
+    limits = zip(panda.joints, (15.0, 7.5, 10.0, 12.5, 15.0, 20.0, 20.0), strict=True)
+    joints = tuple(replace(j, max_acceleration=a, max_jerk=500.0 * a) for j, a in limits)
     Path("arm.json").write_text(json.dumps(arm_to_json(replace(panda, joints=joints))), "utf-8")
     Path("scene.json").write_text(scene, "utf-8")
     asked = ["--trajectories", "moves", "--as", "csv", "--rate", "1000", "--out", "answer.jsonl"]

@@ -309,11 +309,9 @@ def test_what_is_held_ends_at_rest_and_only_movers_have_margins(name):
             low, high = np.array(holds.relative_speed) * unit
             assert low <= target.hold.relative_speed <= high
         for body in situation.obstacles:
-            name_ = body.name
-            first, last = (place_of(situation, name_, t) for t in (0.0, 0.3))
-            rests = all(np.array_equal(a, b) for a, b in zip(first, last, strict=True))
-            assert body.margin is None or not rests
-            assert rests or (body.margin is not None) == (holds.growth[1] > 0.0)
+            first, last = (np.vstack(place_of(situation, body.name, t)) for t in (0.0, 0.3))
+            moves = not np.array_equal(first, last)
+            assert (body.margin is not None) == (moves and holds.growth[1] > 0.0)
 
 
 def test_limits_of_jerk_of_an_arm_file_count_where_targets_are_held(tmp_path):
@@ -381,12 +379,6 @@ def test_boxes_lie_on_their_belt(name):
             assert bottom == pytest.approx(belt.motion.position[2] + belt.shape.half_extents[2])
             _, axes = place_of(situation, "belt", 0.0)
             assert abs((axes.T @ part.motion.velocity)[1:]).max() < 1e-9
-
-
-def test_a_pick_from_a_drawer_keeps_its_promise():
-    plans = [(s, PLANNERS[2].plan(s)) for s in (draw("panda-bin", 1, k) for k in (0, 2, 4))]
-    assert sum(plan.placed is not None for _, plan in plans) >= 2
-    assert [judge(*pair) for pair in plans] == [[]] * 3
 
 
 @pytest.mark.slow

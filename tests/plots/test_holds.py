@@ -19,11 +19,8 @@ from tests.judging import judge
 @pytest.fixture(scope="module")
 def pick():
     """Return a situation with a bin, and a plan that puts the target there."""
-    for k in range(6):
-        situation = draw("panda-bin", 1, k)
-        plan = solve(situation)
-        if plan.placed is not None:
-            break
+    drawn = ((s, solve(s)) for s in (draw("panda-bin", 1, k) for k in range(6)))
+    situation, plan = next(pair for pair in drawn if pair[1].placed is not None)
     assert not judge(situation, plan)
     return situation, plan
 
