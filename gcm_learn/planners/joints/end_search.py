@@ -17,7 +17,7 @@ from gcm_learn.planners.plan import Plan
 
 SLICE = 50
 """Ends to draw between two readings of the clock."""
-SOONER = 60
+SOONER = 20
 """Earlier ends that are tried once there is a way."""
 ROOM = 1000
 """Nodes that new trees can hold, and ends that are kept."""
