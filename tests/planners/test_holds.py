@@ -17,6 +17,7 @@ from gcm_learn.families import draw
 from gcm_learn.motion.movement import Movement
 from gcm_learn.motion.smoothing import half_width, smoothed, start_before
 from gcm_learn.planners import Deadline, get_planner, plan_to_json
+from gcm_learn.planners.joints import carry
 from gcm_learn.planners.outside import broken_promise
 from gcm_learn.referee import judge
 from gcm_learn.scene import pose
@@ -149,6 +150,16 @@ def placed(k, **more):
 def test_what_is_caught_is_carried_to_its_place(made):
     for plan in answers([made(k) for k in range(12)], 3):
         assert plan.held_until < plan.placed == plan.trajectory.duration
+
+
+def test_quicker_carries_are_looked_for(monkeypatch):
+    rows = [placed(k) for k in range(8)]
+    quick = [plan.placed for plan in map(solved, rows)]
+    monkeypatch.setattr(carry, "SHORTER", 1e-6)
+    first = [plan.placed for plan in map(solved, rows)]
+    assert [a is None for a in quick] == [b is None for b in first]
+    pairs = [(a, b) for a, b in zip(quick, first, strict=True) if a is not None]
+    assert all(a <= b for a, b in pairs) and any(a < b for a, b in pairs)
 
 
 def test_a_carry_is_judged_like_a_hold():
