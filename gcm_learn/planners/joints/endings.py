@@ -32,6 +32,7 @@ GAIN = 0.3  # share of a hand's distance from its place that a step makes good
 BRAKES = (1.02, 1.5, 2.5, 4.0)  # times of braking that are tried, in the shortest
 CHANCES = 20  # stops that are drawn where even braking is not free
 SLIP = 0.6  # share of the relative speed that is used
+MOST = 0.95  # share of it that is used where joints cannot be as fast as the target
 OFTEN = 0.6  # share of holds in which the hand is slower than the target
 DEPTH = 0.25  # share of grasp and approach that is left for the hold when a posture is drawn
 EASE = 1e-3  # share of the relative speed that is not used
@@ -105,8 +106,9 @@ def _matched(study, trees, ends, e, b, t):
         share = uniform(trees) if uniform(trees) < FOLLOWS else 0.0
     want(study, ends, b, t, place, share)
     ends.place[3:] = 0.0
+    ux, uy, uz = wanted[0], wanted[1], wanted[2]
     if held:
-        fast = np.sqrt(wanted[0] ** 2 + wanted[1] ** 2 + wanted[2] ** 2)
+        fast = np.sqrt(ux * ux + uy * uy + uz * uz)
         if uniform(trees) < OFTEN and fast > 0.0:
             slower = min(SLIP * uniform(trees) * row[b, bodies.HOLD_SPEED] / fast, 1.0)
             for k in range(3):
@@ -116,7 +118,21 @@ def _matched(study, trees, ends, e, b, t):
         ends.most[j] = limits.joint_speed[j] * (1.0 - 2.0 * ramps.EASE)
         rates[j] = 0.0
     soft = approaches(study.scene, b) > 0
-    return least_rates(ends, limits.joint_speed, soft, rates)
+    if least_rates(ends, limits.joint_speed, soft, rates):
+        return True
+    x, y, z = _off(ends, rates, ux, uy, uz)
+    ends.place[3], ends.place[4], ends.place[5] = x, y, z
+    return held and x * x + y * y + z * z <= (MOST * row[b, bodies.HOLD_SPEED]) ** 2
+
+
+@njit(_nrt=False)
+def _off(ends, rates, ux, uy, uz):
+    """Velocity of the hand at the posture looked at, with rates (n,), in excess of another."""
+    for j in range(rates.size):
+        ux -= ends.near[0, j] * rates[j]
+        uy -= ends.near[1, j] * rates[j]
+        uz -= ends.near[2, j] * rates[j]
+    return -ux, -uy, -uz
 
 
 @njit(_nrt=False)
@@ -168,6 +184,7 @@ def _follow(study, ends, e, b, since, until):
         hand = look(study, ends, b, t, p)
         place = _from_frame(ends, b, t - since)
         want(study, ends, b, t, place, 1.0)
+        ux, uy, uz = wanted[0], wanted[1], wanted[2]
         for k in range(3):
             wanted[k] += ends.place[3 + k] + GAIN * (place[k] - hand[k]) / span
         for k in range(3):
@@ -175,15 +192,17 @@ def _follow(study, ends, e, b, since, until):
                 wanted[k] -= ends.near[k, j] * v[j]
                 wanted[3 + k] -= ends.turns[k, j] * v[j]
             wanted[k] /= 1.0 + 0.5 * GAIN
-        if not least_rates(ends, limits.joint_acceleration, soft, change):
-            return -1
+        kept = least_rates(ends, limits.joint_acceleration, soft, change)
         for j in range(q.size):
-            w[j] = v[j] + change[j]
+            top = limits.joint_speed[j] * (1.0 - ramps.EASE)
+            w[j] = min(max(v[j] + change[j], -top), top)
+            kept = kept and w[j] == v[j] + change[j]
             p[j] = q[j] + 0.5 * span * (v[j] + w[j])
-            if abs(w[j]) > limits.joint_speed[j] * (1.0 - ramps.EASE):
-                return -1
             if not limb.low[j] <= p[j] <= limb.high[j]:
                 return -1
+        x, y, z = _off(ends, w, ux, uy, uz)
+        if not kept and x * x + y * y + z * z > scene.bodies.rows[b, bodies.HOLD_SPEED] ** 2:
+            return -1
         ends.time[e, i + 1] = t
     ends.time[e, FIRST + steps] = until
     return FIRST + steps
