@@ -102,6 +102,7 @@ def test_chains_and_spatial_arms_are_executed_side_by_side(chains, capsys):
     assert set(near) == set(fig8)
 
 
+@pytest.mark.slow
 def test_a_hold_is_told_beside_a_touch(chains, capsys):
     """The impulse of both, and that the target stays in the hand."""
     near = records.read_situations(chains)[0]
