@@ -1,4 +1,4 @@
-"""Share of situations with holds that `search` answers, by preset, as a table.
+"""Table of the share of held catches that `search` finds, by preset.
 
 python -m experiments benchmarks/picks > experiments/benchmarks/picks.md
 """

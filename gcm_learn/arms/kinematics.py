@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from gcm_learn.arms.chain import Chain
-from gcm_learn.arms.chain_limb import limb_of_chain
 from gcm_learn.arms.kinds import kind_of
 from gcm_learn.arms.limbs import axis_of, hand_of, jacobian, link, link_count, place
 from gcm_learn.arms.rotations import rotation_of
@@ -117,7 +116,7 @@ def hand_frame(arm: Chain, joints: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
     The posture has one number for each coordinate (n,).
     """
-    limb = limb_of_chain(arm)
+    limb = kind_of(arm).pack(arm, ())
     place(limb, joints)
     frame = limb.frames[limb.carriers[-1]]
     return frame[:9].reshape(3, 3), frame[9:]

@@ -21,7 +21,7 @@ class Start(NamedTuple):
 def started(
     given: object, start: Start, most: Sequence[float] | None, limits: Sequence[float] | None
 ) -> tuple[float, ...] | None:
-    """Return rates or accelerations (n,) at t = 0, zero by default; nothing without limits.
+    """Return rates or accelerations (n,) at t = 0, zero by default; `limits` of None give None.
 
     Parameters
     ----------

@@ -131,7 +131,7 @@ def _catches(plan: Plan) -> dict[str, Any]:
 
 
 def _caught(situation: AnySituation, cells: Mapping[str, Any]) -> list[Catch]:
-    """Return all catches in order of time; only those of chains are listed, and have places."""
+    """Return all catches in order of time; records of chains alone list several, and places."""
     bodies, times = ([cells[name]] for name in ("catch_body", "catch_time"))
     if cells.get("caught_bodies") is not None:
         bodies, times = cells["caught_bodies"], cells["caught_times"]

@@ -248,8 +248,8 @@ def hold_limits(scene, b):
 def catch_fault(scene, b, since, until, time, joints, rates):
     """First promise that is broken from the catch at `since` until `until` [s], or KEPT.
 
-    A touch has to be within the grasp and the approach at its instant alone. Where the target's
-    velocity jumps at a catch without length, the hand is as fast as it on one side.
+    A touch has to be within the grasp and the approach at its instant alone. A hold of 0 s at a
+    bounce needs the target's velocity before the bounce, or that after it.
     """
     work, (grasp, speed) = work_of(scene), hold_limits(scene, b)
     curve = np.zeros((joints.shape[1], 4))

@@ -75,7 +75,7 @@ def _entry(entry: Any, bodies: Mapping[str, Any]) -> str:
 
 
 def sampled(catches: list[Catch], time: Array, slack: float) -> list[Catch] | None:
-    """Return the catches at the samples nearest to their times; None if one has no sample."""
+    """Return the catches at the samples nearest to their times; None if a time is far from all."""
     found = []
     for catch in catches:
         near = [time[np.abs(time - t).argmin()] for t in catch.times]

@@ -22,7 +22,7 @@ from gcm_learn.referee.tolerances import MOMENT, NEAR, WORK, Complaint
 class Grip:
     """A hand beside a target along a movement, and what is asked of both.
 
-    Columns hold the measures: the relative speed if the target has a hold, the distance
+    Columns hold the measures. They are the relative speed if the target has a hold, the distance
     to its solid, and for each approach the distance of two directions of length 1.
     """
 

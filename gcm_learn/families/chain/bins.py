@@ -41,7 +41,7 @@ class Bins(Ranges):
         self, rng: np.random.Generator, stage: Stage, way: Way, situation: Situation[Chain],
         under: tuple[str, ...],
     ) -> Situation[Chain]:  # fmt: skip
-        """Return a situation with a bin and places; unchanged if no bin leaves the arm room.
+        """Return a situation with a bin and places, or as it is if the arm has no room for a bin.
 
         Of the obstacles `under`, on which targets lie, only those count that the situation has.
         """
@@ -81,8 +81,8 @@ def open_box(
 ) -> list[Body]:
     """Return the bottom and the four walls of a box that is open above.
 
-    Its bottom's middle is at (3,), the third of its axes (3, 3) is up; sizes and `thin` are half
-    the sides, half the height and half the boards' thickness.
+    The point `bottom` (3,) is the middle of the bottom. The third of the axes (3, 3) is up. Sizes
+    are half the sides and half the height, `thin` is half the thickness of the boards.
     """
     x, y, tall = sizes
     boards = [solid(f"{name}bottom", Box((x, y, thin)), bottom, axes)]
