@@ -70,6 +70,9 @@ COMMANDS = {
     "report": CommandEntry(
         "report:Report", "comparison/sheet.parquet", "sheets of answers as a page"
     ),
+    "calibrate": CommandEntry(
+        "calibrate:Calibrate", "tracks.csv --predictor velocity", "margins from recorded tracks"
+    ),
     "cover": CommandEntry("cover:Cover", "belt --out models/belt", "proven catches of a family"),
     "warm-up": CommandEntry("warm_up:WarmUp", "", "compile everything now, not at the first use"),
     "demo": CommandEntry("demo:Demo", "", "a page of results; figures and files to begin with"),

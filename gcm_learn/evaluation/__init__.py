@@ -12,6 +12,7 @@ from gcm_learn import late
 
 if TYPE_CHECKING:
     from gcm_learn.evaluation.asking import ask as ask, asked_for as asked_for
+    from gcm_learn.evaluation.calibration import Calibration as Calibration, calibrate as calibrate
     from gcm_learn.evaluation.conditions import Condition as Condition, after as after
     from gcm_learn.evaluation.entrants import (
         ActorMethod as ActorMethod,
@@ -57,6 +58,7 @@ if TYPE_CHECKING:
 # Loaded when they are asked for, so that wrong arguments are refused soon.
 __getattr__ = late.late_names(__name__, {
     "asking": ("ask", "asked_for",),
+    "calibration": ("Calibration", "calibrate",),
     "sources": ("Case", "cases", "check_sources", "suite_lines",),
     "conditions": ("Condition", "after",),
     "entrants": ("ActorMethod", "Entrant", "get_method",),

@@ -9,8 +9,18 @@ from gcm_learn.outside.moveit import (
     start_of as start_of,
 )
 from gcm_learn.outside.nodes import Node as Node, json_nodes as json_nodes, yaml_node as yaml_node
+from gcm_learn.outside.predictors import (
+    PREDICTORS as PREDICTORS,
+    laws_of as laws_of,
+    places_of as places_of,
+)
 from gcm_learn.outside.si_rrt import SiRrt as SiRrt
 from gcm_learn.outside.table_tennis import TableTennis as TableTennis
+from gcm_learn.outside.tracks import (
+    Window as Window,
+    read_tracks as read_tracks,
+    windows as windows,
+)
 
 CONVERTERS: dict[str, type[Converter]] = {
     "motionbenchmaker": MotionBenchMaker,

@@ -66,7 +66,7 @@ class TableTennis:
         """Return a situation for each ball that comes within reach."""
         positive(self.horizon, "horizon")
         arm, result = self._arm(), Converted()
-        balls = _balls(json_nodes(sources, FILES, result.leaving_out), result)
+        balls = balls_of(json_nodes(sources, FILES, result.leaving_out), result)
         names, states = list(balls), np.array(list(balls.values())).reshape(-1, len(FIELDS))
         for first in range(0, len(balls), CHUNK):
             chosen = slice(first, first + CHUNK)
@@ -103,7 +103,7 @@ class TableTennis:
         result.situations.append(Situation(name, horizon, arm, (ball, table())))
 
 
-def _balls(nodes: Iterator[Node], result: Converted) -> dict[str, list[float]]:
+def balls_of(nodes: Iterator[Node], result: Converted) -> dict[str, list[float]]:
     """Return the states of balls by name: of their `id`, or of their number."""
     found: dict[str, list[float]] = {}
     for node in nodes:
