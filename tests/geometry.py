@@ -6,7 +6,8 @@ from gcm_learn.referee import bodies_of, nearest_obstacle, overlap
 from gcm_learn.referee.chain import ChainMotion
 from gcm_learn.referee.curves import curve_of
 from gcm_learn.referee.joint_arms import read_chain, read_spatial
-from gcm_learn.referee.shapes import point_gaps, segment_gaps, segments_apart
+from gcm_learn.referee.segments import segments_apart
+from gcm_learn.referee.shapes import point_gaps, segment_gaps
 
 LONG = 3.0
 """Until when bodies may be asked for [s]."""

@@ -7,7 +7,7 @@ import numpy as np
 
 from gcm_learn.referee import arm_of, bodies_of
 from gcm_learn.referee.planar_arm import joint_rates
-from gcm_learn.referee.shapes import point_gaps, segment_gaps
+from gcm_learn.referee.shapes import point_gaps, ready, segment_gaps
 from gcm_learn.situation import Body, Disc, PlanarQuadratic, Situation, situation_to_json
 
 REST = (0.0, 0.0)
@@ -58,8 +58,8 @@ def depths(shape, points):
 
 
 def members(shape):
-    """A shape as JSON."""
-    return asdict(shape) | {"kind": shape.kind}
+    """A shape as the referee takes it."""
+    return ready(asdict(shape) | {"kind": shape.kind})
 
 
 def segment_distances(shape, pose, a, b):

@@ -7,12 +7,15 @@ import numpy as np
 from gcm_learn.compiled import njit
 
 
-@njit(_nrt=False)
-def segments_gap2(r, i, j):
-    """Squared distance of two links' axes (C. Ericson, Real-Time Collision Detection, 5.1.9)."""
-    ux, uy, uz = r[i, 3] - r[i, 0], r[i, 4] - r[i, 1], r[i, 5] - r[i, 2]
-    vx, vy, vz = r[j, 3] - r[j, 0], r[j, 4] - r[j, 1], r[j, 5] - r[j, 2]
-    wx, wy, wz = r[i, 0] - r[j, 0], r[i, 1] - r[j, 1], r[i, 2] - r[j, 2]
+@njit(_nrt=False, forceinline=True)
+def segments_apart2(u, v, w):
+    """Squared distance of two segments along u and v, the first of which begins w from the second.
+
+    See C. Ericson, Real-Time Collision Detection, 5.1.9.
+    """
+    ux, uy, uz = u
+    vx, vy, vz = v
+    wx, wy, wz = w
     a, e = ux * ux + uy * uy + uz * uz, vx * vx + vy * vy + vz * vz
     f, c = vx * wx + vy * wy + vz * wz, ux * wx + uy * wy + uz * wz
     b = ux * vx + uy * vy + uz * vz
@@ -30,6 +33,14 @@ def segments_gap2(r, i, j):
             s = min(max((b * t - c) / a, 0.0), 1.0)
     x, y, z = wx + s * ux - t * vx, wy + s * uy - t * vy, wz + s * uz - t * vz
     return x * x + y * y + z * z
+
+
+@njit(_nrt=False)
+def segments_gap2(r, i, j):
+    """Squared distance of two links' axes."""
+    u = r[i, 3] - r[i, 0], r[i, 4] - r[i, 1], r[i, 5] - r[i, 2]
+    v = r[j, 3] - r[j, 0], r[j, 4] - r[j, 1], r[j, 5] - r[j, 2]
+    return segments_apart2(u, v, (r[i, 0] - r[j, 0], r[i, 1] - r[j, 1], r[i, 2] - r[j, 2]))
 
 
 @njit(_nrt=False)

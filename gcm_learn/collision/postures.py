@@ -32,6 +32,7 @@ from gcm_learn.scene.bodies import (
     rotate,
 )
 from gcm_learn.scene.shapes.ball import off_bone
+from gcm_learn.scene.shapes.choice import is_convex
 
 CHUNK = 60  # obstacles that one search asks after: the bits of an integer
 ITSELF = 60  # the bit of the limb itself
@@ -99,7 +100,8 @@ def _gap_to_links(limb, where, slack, bodies, b, t, off, enough, poses):
             if turned:
                 rotate(bodies, b, t, poses)
                 turned = False
-            gap = bone_distance(bodies, poses, b, (px, py, pz), (qx, qy, qz)) - radius
+            far = enough + slip + radius
+            gap = bone_distance(bodies, poses, b, (px, py, pz), (qx, qy, qz), far) - radius
         best, room = min(best, gap), min(room, gap - slip)
     return best - margin, room - margin
 
@@ -162,13 +164,15 @@ def _gap_to_near(arrays, count, bodies, b, t, turned, off, enough, bones, poses)
             if turned:
                 rotate(bodies, b, t, poses)
                 turned = False
-            if not bones:
+            if not bones and is_convex(bodies, b):
                 u, v, w, ball = balls[i, 0], balls[i, 1], balls[i, 2], balls[i, 3]
                 gap = max(gap, point_distance(bodies, poses, b, u, v, w) - ball)
             if gap - slip <= enough and (gap < best or gap - slip < room):
-                gap = bone_distance(bodies, poses, b, (px, py, pz), (qx, qy, qz)) - radii[i]
+                far = enough + slip + radii[i]
+                gap = bone_distance(bodies, poses, b, (px, py, pz), (qx, qy, qz), far) - radii[i]
         left = gap - slip
-        if bones and i == 0 and left <= enough and slip > 0.0 == bodies.rows[b, TOP_SPEED]:
+        hinged = bones and i == 0 and left <= enough and is_convex(bodies, b)
+        if hinged and slip > 0.0 == bodies.rows[b, TOP_SPEED]:
             left = max(left, _hinged_room(bodies, b, (qx, qy, qz), slip, poses) - radii[i])
         best, room = min(best, gap), min(room, left)
     return best, room

@@ -21,4 +21,10 @@ from gcm_learn.referee.judging import (
 )
 from gcm_learn.referee.kinds import Arm as Arm, arm_of as arm_of
 from gcm_learn.referee.motions import Body as Body, bodies_of as bodies_of
+from gcm_learn.referee.surface_files import (
+    MESHES as MESHES,
+    inlined as inlined,
+    read_mesh as read_mesh,
+    read_points as read_points,
+)
 from gcm_learn.referee.tolerances import Complaint as Complaint, Unreadable as Unreadable

@@ -14,7 +14,8 @@ import numpy as np
 
 from gcm_learn.referee.motions import Body, into
 from gcm_learn.referee.rotations import Array
-from gcm_learn.referee.shapes import point_apart, segment_gaps, segments_apart
+from gcm_learn.referee.segments import point_apart, segments_apart
+from gcm_learn.referee.shapes import is_centred, segment_gaps
 from gcm_learn.referee.tolerances import WORK
 
 PARTS = 4
@@ -137,7 +138,7 @@ def nearest_obstacle(
     if not pairs:
         return Nearest()
     link, body = np.array(pairs).T
-    centred = np.array([o.shape["kind"] != "polygon" for o in obstacles])  # the centre is inside
+    centred = np.array([is_centred(o.shape) for o in obstacles])
     items, best, upper = _Intervals(motion.starts(), len(pairs), work), Nearest(), np.inf
     while not items.settled:
         if items.exhausted:

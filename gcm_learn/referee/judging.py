@@ -15,6 +15,7 @@ from gcm_learn.referee.contact import Watched, nearest_obstacle, overlap
 from gcm_learn.referee.joint_arms import Models
 from gcm_learn.referee.kinds import Arm, arm_of, checked, ended, version_of
 from gcm_learn.referee.motions import Body, bodies_of
+from gcm_learn.referee.surface_files import inlined
 from gcm_learn.referee.tolerances import AFTERWARDS, WORK, WORK_BROKEN, Complaint, Unreadable
 
 EXACT = 4.0
@@ -254,8 +255,9 @@ def judge_files(
 def _verdicts(
     asked: list[Place], answers: dict[str, list[Any]], folder: Path, end: str | None
 ) -> Iterator[list[Complaint]]:
-    for place, situation in asked:
+    for place, read_from in asked:
         try:
+            situation = inlined(read_from, folder)
             checked(situation)
             name = str(situation.get("name", ""))
             given = answers.pop(name, [])

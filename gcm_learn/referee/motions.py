@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from gcm_learn.referee.rotations import Array, rotations, turns, unit
-from gcm_learn.referee.shapes import ball_of, point_gaps
+from gcm_learn.referee.shapes import ball_of, point_gaps, ready
 from gcm_learn.referee.tolerances import Unreadable
 
 SWING = 4e-3
@@ -284,16 +284,10 @@ class Body:
 
 def bodies_of(given: Sequence[dict[str, Any]], end: float) -> list[Body]:
     """Return the bodies of a situation, with bounds of their ways up to a time [s]."""
+    shapes = [ready(body["shape"]) for body in given]
     return [
-        Body(
-            body["name"],
-            body["role"],
-            body["shape"],
-            law_of(body["motion"], end),
-            ball_of(body["shape"]),
-            body,
-        )
-        for body in given
+        Body(body["name"], body["role"], shape, law_of(body["motion"], end), ball_of(shape), body)
+        for body, shape in zip(given, shapes, strict=True)
     ]
 
 

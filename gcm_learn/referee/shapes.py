@@ -11,7 +11,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from gcm_learn.referee import surfaces
 from gcm_learn.referee.rotations import Array
+from gcm_learn.referee.segments import point_apart, segments_apart
 
 Shape = dict[str, Any]
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
@@ -28,6 +30,10 @@ class Solid(NamedTuple):
     """Least signed distances (k,) of segments between points (k, 3)."""
     ball: Callable[[Shape], float]
     """Radius of the ball about the centre that holds the shape."""
+    ready: Callable[[Shape], Shape] = lambda shape: shape
+    """What is made of the shape before it is asked."""
+    centred: bool = True
+    """True if the centre of the body is in the shape."""
 
 
 def point_gaps(shape: Shape, points: Array) -> Array:
@@ -45,34 +51,14 @@ def ball_of(shape: Shape) -> float:
     return SOLIDS[shape["kind"]].ball(shape)
 
 
-# --- segments --------------------------------------------------------------------------------
+def ready(shape: Shape) -> Shape:
+    """Return a shape as the functions here take it."""
+    return SOLIDS[shape["kind"]].ready(shape)
 
 
-def point_apart(p: Array, a: Array, b: Array) -> Array:
-    """Return distances (...) of points p to segments from a to b (..., 3)."""
-    d = b - a
-    length2 = (d * d).sum(axis=-1)
-    s = ((p - a) * d).sum(axis=-1) / np.where(length2 > 0.0, length2, 1.0)
-    return np.linalg.norm(p - a - np.clip(s, 0.0, 1.0)[..., None] * d, axis=-1)
-
-
-def segments_apart(a: Array, b: Array, c: Array, d: Array) -> Array:
-    """Return distances (k,) of segments from a to b and from c to d (k, 3).
-
-    The least is at an end of either, or where both lines are nearest if that is within both.
-    """
-    ends = [point_apart(a, c, d), point_apart(b, c, d), point_apart(c, a, b), point_apart(d, a, b)]
-    best = np.min(ends, axis=0)
-    u, v, w = b - a, d - c, a - c
-    uu, vv, uv = (u * u).sum(axis=-1), (v * v).sum(axis=-1), (u * v).sum(axis=-1)
-    below = uu * vv - uv * uv
-    crossing = below > 1e-12 * uu * vv
-    below = np.where(crossing, below, 1.0)
-    uw, vw = (u * w).sum(axis=-1), (v * w).sum(axis=-1)
-    s, t = (uv * vw - vv * uw) / below, (uu * vw - uv * uw) / below
-    within = crossing & (s >= 0.0) & (s <= 1.0) & (t >= 0.0) & (t <= 1.0)
-    apart = np.linalg.norm(w + s[..., None] * u - t[..., None] * v, axis=-1)
-    return np.where(within, np.minimum(apart, best), best)
+def is_centred(shape: Shape) -> bool:
+    """Tell if the centre of the body is in a shape."""
+    return SOLIDS[shape["kind"]].centred
 
 
 def golden_minimum(function: Callable[[Array], Array], count: int) -> Array:
@@ -218,6 +204,9 @@ def _depth(shape: Shape, a: Array, b: Array, first: Array, last: Array) -> float
     return float(_polygon_points(shape, a + s[:, None] * (b - a)).min())
 
 
+_SURFACE = Solid(
+    surfaces.points, surfaces.segments, lambda shape: shape["ball"], surfaces.ready, centred=False
+)
 SOLIDS = {
     "sphere": Solid(_round_points, _round_segments, lambda shape: shape["radius"]),
     "capsule": Solid(
@@ -231,7 +220,11 @@ SOLIDS = {
     ),
     "disc": Solid(_disc_points, _disc_segments, lambda shape: shape["radius"]),
     "polygon": Solid(
-        _polygon_points, _polygon_segments, lambda s: max(math.hypot(*v) for v in s["vertices"])
+        _polygon_points,
+        _polygon_segments,
+        lambda s: max(math.hypot(*v) for v in s["vertices"]),
+        centred=False,
     ),
+    **dict.fromkeys(("cloud", "mesh"), _SURFACE),
 }
 """Functions by kind of shape."""

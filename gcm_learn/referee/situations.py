@@ -7,6 +7,8 @@ import math
 from collections.abc import Callable, Mapping
 from typing import Any
 
+import numpy as np
+
 from gcm_learn.referee.form import is_number
 from gcm_learn.referee.tolerances import Unreadable
 
@@ -98,7 +100,11 @@ SHAPES: dict[str, Fields] = {
     "box": {"half_extents": list_of(positive, 3)},
     "capsule": {"radius": positive, "half_length": positive},
     "cylinder": {"radius": positive, "half_length": positive},
+    "cloud": {"points": list_of(V3), "radius": positive},
+    "mesh": {"vertices": list_of(V3), "triangles": list_of(list_of(index, 3))},
 }
+SURFACES = ("cloud", "mesh")
+"""Shapes of obstacles of version 4."""
 SWING: Fields = {
     "pivot": V3, "axis": unit_of(3), "down": unit_of(3), "length": positive,
     "gravity": _not_negative, "angle": is_number, "rate": is_number,
@@ -243,11 +249,12 @@ def _body(body: Any, path: str, version: int, solid: bool) -> None:
     fields(body, path, required, more)
     _asked(body, path, version)
     shape, kind = body["shape"], body["shape"].get("kind")
-    if version >= 4 and kind in ("cloud", "mesh"):
-        raise Unreadable(f"{path}.shape.kind: shapes cloud and mesh are not known here yet")
-    if kind not in [k for k in SHAPES if (k not in ("disc", "polygon")) == solid]:
+    known = [k for k in SHAPES if (k not in ("disc", "polygon")) == solid]
+    if kind not in known or (kind in SURFACES and (version < 4 or body["role"] == "target")):
         raise Unreadable(f"{path}.shape.kind: {str(kind)[:60]} is not a kind of shape here")
     fields(shape, f"{path}.shape", {"kind": text, **SHAPES[kind]}, {})
+    if kind == "mesh" and np.max(shape["triangles"]) >= len(shape["vertices"]):
+        raise Unreadable(f"{path}.shape.triangles: there are {len(shape['vertices'])} vertices")
     if kind == "polygon" and _area(shape["vertices"]) <= 0.0:
         raise Unreadable(f"{path}.shape.vertices: are not counter-clockwise")
     _motion(body["motion"], f"{path}.motion", version, solid)

@@ -11,22 +11,23 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from gcm_learn import situation
 from gcm_learn.arms import hands_along, links_along
 from gcm_learn.rendering.camera import Faces, normals
 from gcm_learn.rendering.staging import ARM, INK, JOINT, rgb
-from gcm_learn.situation import Box, Capsule, Cylinder, SolidShape, Sphere
+from gcm_learn.situation import Box, Capsule, Cloud, Cylinder, SpaceShape, Sphere
 
 SIDES = 24  # polygon that stands for a circle
 RINGS = 14  # of a sphere, from pole to pole
 TILE = 0.4  # longest side of a tile of a box, where faces are to be sorted by depth
 
 
-def faces(shape: SolidShape, tile: float = TILE) -> np.ndarray:
+def faces(shape: SpaceShape, tile: float = TILE) -> np.ndarray:
     """Return the faces of a solid in its own frame.
 
     Parameters
     ----------
-    shape : Sphere, Box, Capsule or Cylinder
+    shape : SpaceShape
     tile : float
         About the longest side of a face of a box or along a long solid, so that faces can be sorted
         by depth; infinite where that is not needed.
@@ -41,13 +42,13 @@ def faces(shape: SolidShape, tile: float = TILE) -> np.ndarray:
     return MESHES[type(shape)].faces(shape, tile)
 
 
-def round_normals(shape: SolidShape, corners: np.ndarray) -> np.ndarray | None:
+def round_normals(shape: SpaceShape, corners: np.ndarray) -> np.ndarray | None:
     """Unit normals (n, 4, 3) at the corners of a solid's `faces`; None for flat faces."""
     rounded = MESHES[type(shape)].normals
     return None if rounded is None else rounded(shape, corners)
 
 
-def has_edges(shape: SolidShape) -> bool:
+def has_edges(shape: SpaceShape) -> bool:
     """Return whether faces of a solid meet in edges."""
     return MESHES[type(shape)].has_edges
 
@@ -73,13 +74,13 @@ def _normals_from(half: float, radius: float, corners: np.ndarray) -> np.ndarray
 
 
 @lru_cache(maxsize=256)
-def _mesh(shape: SolidShape) -> tuple[np.ndarray, np.ndarray | None]:
+def _mesh(shape: SpaceShape) -> tuple[np.ndarray, np.ndarray | None]:
     corners = faces(shape, np.inf)
     return corners, round_normals(shape, corners)
 
 
 def placed(
-    shape: SolidShape, centre: np.ndarray, turn: np.ndarray, colour: np.ndarray,
+    shape: SpaceShape, centre: np.ndarray, turn: np.ndarray, colour: np.ndarray,
     alpha: float = 1.0, scale: float = 1.0,
 ) -> Faces:  # fmt: skip
     """Return a solid at its place (3,), turned by a rotation (3, 3), in a colour (3,)."""
@@ -163,6 +164,24 @@ def _box(half: np.ndarray, tile: float) -> np.ndarray:
     return np.array(out)
 
 
+def _octahedra(cloud: Cloud) -> np.ndarray:
+    """Faces of an octahedron about each point of a cloud."""
+    x, y, z = cloud.radius * np.eye(3)
+    ring = [x, y, -x, -y, x]
+    one = [
+        (up, a, b, up) if up is z else (up, b, a, up)
+        for up in (z, -z)
+        for a, b in itertools.pairwise(ring)
+    ]
+    return (cloud.points[:, None, None] + np.array(one)).reshape(-1, 4, 3)
+
+
+def _triangles(mesh: situation.Mesh) -> np.ndarray:
+    """Both sides of the triangles of a mesh."""
+    quads = mesh.corners[:, [0, 1, 2, 2]]
+    return np.concatenate([quads, quads[:, ::-1]])
+
+
 class Mesh(NamedTuple):
     """Functions that draw a shape."""
 
@@ -182,6 +201,8 @@ MESHES: dict[type, Mesh] = {
         lambda rod, corners: _normals_from(rod.half_length, rod.radius, corners),
     ),
     Cylinder: Mesh(_cylinder, _cylinder_normals, has_edges=True),
+    Cloud: Mesh(lambda cloud, tile: _octahedra(cloud), None),
+    situation.Mesh: Mesh(lambda mesh, tile: _triangles(mesh), None),
 }
 """Drawings of solids by shape."""
 

@@ -18,12 +18,12 @@ import numpy as np
 
 from gcm_learn.compiled import njit
 
-DISC, POLYGON, SPHERE, BOX, CAPSULE, CYLINDER = range(6)
+DISC, POLYGON, SPHERE, BOX, CAPSULE, CYLINDER, CLOUD, MESH = range(8)
 HAND, LIMB = 0, 1  # which part of the arm a body can touch: targets only meet the hand
 
 
 # Columns of a body's row.  One array instead of a dozen keeps calls between kernels cheap.
-KIND = 0  # DISC ... CYLINDER; `shapes/choice.py` branches on it
+KIND = 0  # DISC ... MESH; `shapes/choice.py` branches on it
 PART = 1  # HAND or LIMB
 SIZE = 2  # 3 columns, whose meaning is that of the shape
 REACH = 5  # radius of the ball about the centre that holds the body
@@ -37,7 +37,7 @@ HANG = 28  # distance from the pivot to the centre
 DOWN = 29  # 3: direction of the cord at angle 0
 SIDE = 32  # 3: direction of growing angle, axis x down
 AXIS = 35  # 3: rotation axis
-FIRST, LAST = 38, 39  # the body's polygon is vertices[FIRST:LAST]
+FIRST, LAST = 38, 39  # the body's polygon or tree is vertices[FIRST:LAST]
 TOP_SPEED = 40  # bound on the speed of any point of the body within the horizon
 APPROACH = 41  # 3: direction in the body's frame from which a target is caught; 0 if any will do
 WITHIN = 44  # largest angle of the hand's direction to it [rad]
@@ -62,7 +62,7 @@ class Bodies(NamedTuple):
     """A situation's bodies as plain arrays, in arm-plane coordinates."""
 
     rows: np.ndarray  # (n, COLUMNS): one body a row
-    vertices: np.ndarray  # (m, 2): polygon vertices of all bodies
+    vertices: np.ndarray  # (m, 2): polygon vertices and trees of all bodies
     angles: np.ndarray  # (k, m, 2): pendulum angle and rate on a regular time grid; or pieces
     angle_step: float  # time step of that grid [s]
 

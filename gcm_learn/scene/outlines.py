@@ -10,7 +10,7 @@ from gcm_learn.scene.bodies import COLUMNS, KIND, SIZE, no_bodies
 from gcm_learn.scene.packing import pose
 from gcm_learn.scene.shapes.choice import cut, entry_of
 from gcm_learn.scene.shapes.region import new_cut
-from gcm_learn.situation import PLANAR, PlanarShape, Situation, SolidShape
+from gcm_learn.situation import PLANAR, SOLID, PlanarShape, Situation, SolidShape
 
 CIRCLE = np.linspace(0.0, 2 * np.pi, 65)[:-1]
 
@@ -35,6 +35,7 @@ def outline(situation: Situation, index: int, t: float) -> np.ndarray | None:
     centre, rotation = pose(situation, index, t)
     if isinstance(shape, PLANAR):
         return centre[:2] + _planar(shape) @ rotation[:2, :2].T
+    assert isinstance(shape, SOLID)
     corners = cut_outline(shape, centre, rotation)
     return corners if len(corners) else None
 

@@ -112,7 +112,8 @@ def pack_bodies(situation: AnySituation, until: float | None = None) -> Bodies:
     turn, shoulder = arm_frame(situation)
     view = WorldFrame(None if (turn == _UNTURNED).all() else turn, shoulder.tolist())
     made: list[list[float]] = []  # lists, because writing into parts of arrays takes longer
-    vertices: list[tuple[float, float]] = []
+    corners: list[Any] = [np.zeros((0, 2))]
+    count = 0
     tables: Tables = []
     for body in situation.bodies:
         motion, shape, row = body.motion, body.shape, [0.0] * k.COLUMNS
@@ -136,14 +137,15 @@ def pack_bodies(situation: AnySituation, until: float | None = None) -> Bodies:
             row[k.SPIN : k.SPIN + 3] = (0.0, 0.0, 0.0)
             if row[k.PIECES]:
                 tables[-1][:, k.SPIN : k.SPIN + 3] = 0.0
-        row[k.FIRST] = len(vertices)
-        vertices.extend(entry.vertices(shape))
-        row[k.LAST] = len(vertices)
+        row[k.FIRST] = row[k.LAST] = count
+        if len(given := entry.vertices(shape)):
+            corners.append(given)
+            row[k.LAST] = count = count + len(given)
         made.append(row)
     rows = np.array(made, dtype=float).reshape(-1, k.COLUMNS)
     end = _end_of(situation) if until is None else until
     step, angles = _tables_of(tables, end)
-    packed = Bodies(rows, np.array(vertices, dtype=float).reshape(-1, 2), angles, step)
+    packed = Bodies(rows, np.concatenate(corners), angles, step)
     _bound_speeds(packed, end)
     return packed
 

@@ -63,6 +63,7 @@ from gcm_learn.situation.schema import schemas as schemas
 from gcm_learn.situation.shapes import (
     PLANAR as PLANAR,
     SOLID as SOLID,
+    SPACE as SPACE,
     Box as Box,
     Capsule as Capsule,
     Cylinder as Cylinder,
@@ -71,6 +72,7 @@ from gcm_learn.situation.shapes import (
     Polygon as Polygon,
     Shape as Shape,
     SolidShape as SolidShape,
+    SpaceShape as SpaceShape,
     Sphere as Sphere,
     numbers_of as numbers_of,
 )
@@ -87,6 +89,17 @@ from gcm_learn.situation.spatial_frame import (
     arm_frame as arm_frame,
     plane_frame as plane_frame,
     spatial_frame_of as spatial_frame_of,
+)
+from gcm_learn.situation.surface_files import (
+    read_mesh as read_mesh,
+    read_points as read_points,
+)
+from gcm_learn.situation.surfaces import (
+    SURFACES as SURFACES,
+    Cloud as Cloud,
+    Mesh as Mesh,
+    Surface as Surface,
+    SurfaceShape as SurfaceShape,
 )
 from gcm_learn.situation.timed_motion import (
     Piece as Piece,

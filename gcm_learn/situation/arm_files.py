@@ -125,12 +125,12 @@ def model_from(value: object, path: str, folder: Path) -> arms.ChainModel:
     try:
         if not value.endswith(".json"):
             return shipped_arm(value)
-        return _unchanged(folder / value, value, _stamp(folder / value))
+        return _unchanged(folder / value, value, stamp_of(folder / value))
     except (FileFormatError, SituationError) as error:
         raise SituationError(path, str(error).removeprefix(": ")) from None
 
 
-def _stamp(path: Path) -> tuple[int, int]:
+def stamp_of(path: Path) -> tuple[int, int]:
     """Return time of change and size of a file, by which a change of it is noticed."""
     try:
         status = path.stat()

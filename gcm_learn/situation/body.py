@@ -22,7 +22,7 @@ from gcm_learn.checks import (
 from gcm_learn.errors import SituationError
 from gcm_learn.situation.laws import Motion
 from gcm_learn.situation.motion import PlanarQuadratic
-from gcm_learn.situation.shapes import PLANAR, SOLID, Shape
+from gcm_learn.situation.shapes import PLANAR, SPACE, SURFACES, Shape
 
 ROLES = ("target", "obstacle")
 
@@ -171,8 +171,11 @@ class Body:
         """Check the role and that shape and motion live in the same space."""
         put(self, "role", choice(self.role, "role", ROLES))
         put(self, "name", text(self.name, "name"))
-        if not isinstance(self.shape, PLANAR + SOLID):
+        if not isinstance(self.shape, PLANAR + SPACE):
             raise SituationError("shape", f"must be a shape (got {show(self.shape)})")
+        if isinstance(self.shape, SURFACES) and self.role == "target":
+            reason = f"{quote(self.shape.kind)} is for obstacles (this is a target)"
+            raise SituationError("shape.kind", reason)
         if not isinstance(self.motion, Motion):
             raise SituationError("motion", f"must be a motion (got {show(self.motion)})")
         if self.is_solid == isinstance(self.motion, PlanarQuadratic):
@@ -210,12 +213,14 @@ class Body:
         names = [name for name in (*ASKED, "ignore", "ignore_for") if self._has(name)]
         if len(self.approach) > 1 or any(one.hand is not None for one in self.approach):
             names.append("approach")
+        if isinstance(self.shape, SURFACES):
+            names.append("shape.kind")
         return tuple(names)
 
     @property
     def is_solid(self) -> bool:
         """Return whether the body is three-dimensional."""
-        return isinstance(self.shape, SOLID)
+        return isinstance(self.shape, SPACE)
 
 
 def _approaches(given: Any) -> tuple[Approach, ...]:

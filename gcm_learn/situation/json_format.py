@@ -27,15 +27,15 @@ from gcm_learn.situation.json_records import (
 )
 from gcm_learn.situation.laws import ENDS, FORMATS, Format, Motion
 from gcm_learn.situation.motion import PlanarQuadratic, SolidQuadratic
-from gcm_learn.situation.shapes import PLANAR, SOLID, Shape
+from gcm_learn.situation.shapes import PLANAR, SOLID, SPACE, Shape
 from gcm_learn.situation.situation import AnySituation, Plane, Situation
+from gcm_learn.situation.surface_files import with_files
 from gcm_learn.situation.timed_motion import Piece, Piecewise
 from gcm_learn.storage import write_whole
 
 _SOLID: dict[str, type[Shape]] = {record.kind: record for record in SOLID}
 _SHAPES = {record.kind: record for record in PLANAR} | _SOLID
-UNREAD = ("cloud", "mesh")
-"""Kinds of shapes that ``gcm-learn/situation@4`` has, and that are refused."""
+_SPACE: dict[str, type[Shape]] = {record.kind: record for record in SPACE}
 
 
 def situation_from_json(obj: object, folder: str | Path = ".") -> Situation[Any]:
@@ -59,7 +59,9 @@ def situation_from_json(obj: object, folder: str | Path = ".") -> Situation[Any]
     check_names(members, "", Situation, optional=("name",), absent=version.absent["situation"])
     if not version.planes and "plane" in members:
         raise SituationError("plane", f"is for planar arms ({quote(version.name)} has none)")
-    shapes = _SHAPES if version.planes and "plane" not in members else _SOLID
+    shapes = _SPACE if version.holds else _SOLID
+    if version.planes and "plane" not in members:
+        shapes = _SHAPES
     bodies = sequence(members["bodies"], "bodies", "bodies")
     return Situation(
         name=members.get("name", ""),
@@ -89,12 +91,11 @@ def _body(obj: object, path: str, reading: Reading, shapes: dict[str, type[Shape
     """Return one entry of `bodies`."""
     members = object_from(obj, path)
     check_names(members, path, Body, absent=reading.format.absent["body"])
-    place, shape = f"{path}.shape", members["shape"]
-    if reading.format.holds and isinstance(shape, dict) and shape.get("kind") in UNREAD:
-        raise SituationError(f"{place}.kind", f"{quote(shape['kind'])} is not read yet")
-    record = shapes[kind_from(shape, place, tuple(shapes))]
-    shape = record_from(record, shape, place, extra=("kind",))
-    motion = _motion(members["motion"], f"{path}.motion", isinstance(shape, SOLID), reading)
+    place = f"{path}.shape"
+    record = shapes[kind_from(members["shape"], place, tuple(shapes))]
+    given = with_files(object_from(members["shape"], place), place, reading.folder)
+    shape = record_from(record, given, place, extra=("kind",))
+    motion = _motion(members["motion"], f"{path}.motion", isinstance(shape, SPACE), reading)
     values = members | {"shape": shape, "motion": motion}
     if "approach" in members:
         values["approach"] = _approaches(members["approach"], f"{path}.approach", reading.format)

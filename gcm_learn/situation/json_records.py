@@ -11,6 +11,8 @@ from importlib.resources.abc import Traversable
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
+import numpy as np
+
 from gcm_learn.arms import Chain, ChainJoint, Follows, Link
 from gcm_learn.checks import LARGEST, UNIT_LENGTH, UNIT_TOLERANCE, quote, show
 from gcm_learn.errors import FileFormatError, SituationError
@@ -343,7 +345,9 @@ def members_of(record: Any, absent: Collection[str] = ()) -> dict[str, Any]:
 
 
 def _plain(value: Any) -> Any:
-    """Return lists in place of tuples and objects in place of records."""
+    """Return lists in place of tuples and arrays, and objects in place of records."""
+    if isinstance(value, np.ndarray):
+        return value.tolist()
     if isinstance(value, tuple):
         plain = not value or type(value[0]) is float
         return list(value) if plain else [_plain(item) for item in value]

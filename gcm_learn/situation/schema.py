@@ -9,11 +9,12 @@ from __future__ import annotations
 import math
 import types
 import typing
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import is_dataclass
+from itertools import chain
 from typing import Any
 
-from gcm_learn import arms
+from gcm_learn import arms, referee
 from gcm_learn.checks import LARGEST
 from gcm_learn.situation.arm_files import ARM_FORMATS, NEW
 from gcm_learn.situation.body import OF_TARGETS, ROLES, WITH, Approach, Body, Hold, Margin, Place
@@ -23,6 +24,7 @@ from gcm_learn.situation.motion import Pendulum, PlanarQuadratic, SolidQuadratic
 from gcm_learn.situation.shapes import (
     PLANAR as FLAT,
     SOLID,
+    SPACE,
     Box,
     Capsule,
     Cylinder,
@@ -31,6 +33,7 @@ from gcm_learn.situation.shapes import (
     Sphere,
 )
 from gcm_learn.situation.situation import Situation
+from gcm_learn.situation.surfaces import Cloud, Mesh
 from gcm_learn.situation.timed_motion import Piecewise, Sampled
 
 Schema = dict[str, Any]
@@ -66,6 +69,7 @@ NUMBERS: dict[type, dict[str, Schema]] = {
     Box: {"half_extents": _POSITIVE},
     Capsule: dict.fromkeys(("radius", "half_length"), _POSITIVE),
     Cylinder: dict.fromkeys(("radius", "half_length"), _POSITIVE),
+    Cloud: {"radius": _POSITIVE},
     Pendulum: {"length": _POSITIVE} | dict.fromkeys(("gravity", "damping", "hang"), _NOT_NEGATIVE),
 }
 """Bounds of the numbers in fields, under their names in the records."""
@@ -107,7 +111,8 @@ def _situation(version: Format) -> Schema:
         "catch": {"enum": list(version.catches)},
     }
     result = _object(Situation, given, required=("format",), optional=("name",), absent=absent)
-    flat, solid = ({"items": _body(version, shapes)} for shapes in (FLAT, SOLID))
+    space = SPACE if version.holds else SOLID
+    flat, solid = ({"items": _body(version, shapes)} for shapes in (FLAT, space))
     if not version.planes:
         result["properties"]["bodies"] |= solid
     else:
@@ -121,7 +126,7 @@ def _body(version: Format, shapes: Iterable[type]) -> Schema:
     flat = shapes is FLAT
     known = [law for law in version.motions if flat == issubclass(law, PlanarQuadratic)]
     given = {
-        "shape": {"oneOf": [_object(s, {"kind": _kind(s)}, required=("kind",)) for s in shapes]},
+        "shape": {"oneOf": [*chain.from_iterable(map(_shape, shapes))]},
         "motion": {"oneOf": [_motion(law) for law in known]},
         "approach": _approach(version),
     }
@@ -133,6 +138,32 @@ def _body(version: Format, shapes: Iterable[type]) -> Schema:
         result |= {"else": _within("margin", False)}
         result |= {"dependentRequired": {name: [other] for name, other in WITH}}
     return result
+
+
+def _shape(record: type) -> Iterator[Schema]:
+    """Yield the schemas of a shape, of which a mesh has two."""
+    given: dict[str, Any] = {"kind": _kind(record)}
+    points = {"type": "array", "items": _value(tuple[float, float, float], {}), **_FILLED}
+    corner = {"type": "integer", **_NOT_NEGATIVE}
+    if record is Cloud:
+        given["points"] = {"anyOf": [points, _ending([".npy"])]}
+    if record is Mesh:
+        file = {"kind": _kind(record), "file": _ending(referee.MESHES), "scale": _number(_POSITIVE)}
+        yield {
+            "type": "object",
+            "properties": file,
+            "required": ["kind", "file"],
+            "additionalProperties": False,
+        }
+        three = {"type": "array", "items": corner, "minItems": 3, "maxItems": 3}
+        given |= {"vertices": points, "triangles": {"type": "array", "items": three, **_FILLED}}
+    yield _object(record, given, required=("kind",))
+
+
+def _ending(ends: Iterable[str]) -> Schema:
+    """Return the schema of names of files that end so, in letters of either size."""
+    either = ("".join(f"[{c}{c.upper()}]" if c.isalpha() else "[.]" for c in end) for end in ends)
+    return {"type": "string", "pattern": f"({'|'.join(either)})$"}
 
 
 def _approach(version: Format) -> Schema:

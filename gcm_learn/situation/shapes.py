@@ -14,6 +14,7 @@ from numba.extending import register_jitable
 from gcm_learn.checks import positive, positive_vector, put, sequence, vector
 from gcm_learn.compiled import njit
 from gcm_learn.errors import SituationError
+from gcm_learn.situation.surfaces import SURFACES, SurfaceShape
 
 Point = tuple[float, float]
 
@@ -324,10 +325,13 @@ class Cylinder:
 
 PlanarShape = Disc | Polygon
 SolidShape = Sphere | Box | Capsule | Cylinder
-Shape = PlanarShape | SolidShape
+SpaceShape = SolidShape | SurfaceShape
+Shape = PlanarShape | SpaceShape
 
 PLANAR = (Disc, Polygon)
 SOLID = (Sphere, Box, Capsule, Cylinder)
+SPACE = SOLID + SURFACES
+"""Shapes of bodies in space."""
 
 
 def numbers_of(shape: Shape) -> list[float]:
@@ -335,9 +339,11 @@ def numbers_of(shape: Shape) -> list[float]:
     return list(_flat(tuple(getattr(shape, field.name) for field in fields(shape))))
 
 
-def _flat(value: float | tuple[Any, ...]) -> Iterator[float]:
-    """Yield the numbers of nested tuples."""
-    if isinstance(value, tuple):
+def _flat(value: Any) -> Iterator[float]:
+    """Yield the numbers of nested tuples and of arrays."""
+    if isinstance(value, np.ndarray):
+        yield from value.ravel().tolist()
+    elif isinstance(value, tuple):
         for part in value:
             yield from _flat(part)
     else:

@@ -20,6 +20,7 @@ from gcm_learn.arms import IDENTITY, Base, Chain, SpatialArm, rotation_of
 from gcm_learn.situation.body import Approach, Body
 from gcm_learn.situation.laws import carried, sides
 from gcm_learn.situation.situation import AnySituation, Plane, Situation
+from gcm_learn.situation.surfaces import SURFACES
 
 _IDENTITY = np.eye(3)
 
@@ -145,8 +146,11 @@ def _in_base(
         if place is not None:
             there = turn @ (np.asarray(place.position) - origin)
             place = replace(place, position=tuple(there.tolist()))
-        approach = tuple(map(_mirrored_approach, body.approach)) if mirrored else body.approach
-        yield replace(body, motion=motion, place=place, approach=approach)
+        approach, shape = body.approach, body.shape
+        if mirrored:
+            approach = tuple(map(_mirrored_approach, approach))
+            shape = shape.mirrored if isinstance(shape, SURFACES) else shape
+        yield replace(body, shape=shape, motion=motion, place=place, approach=approach)
 
 
 def _mirrored_approach(approach: Approach) -> Approach:

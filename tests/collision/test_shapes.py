@@ -17,22 +17,41 @@ from gcm_learn.execution.body.model import GEOMS
 from gcm_learn.families.random_solid import random_rotation
 from gcm_learn.rendering.solids import MESHES
 from gcm_learn.scene import Bodies, bodies as k, no_bodies
-from gcm_learn.scene.shapes import ball, box, capsule, choice, cylinder, polygon
+from gcm_learn.scene.shapes import ball, box, capsule, choice, cloud, cylinder, mesh, polygon
 from gcm_learn.scene.shapes.choice import ENTRIES
 from gcm_learn.scene.shapes.region import EMPTY_DISTANCE
-from gcm_learn.situation import PLANAR, SOLID, Box, Capsule, Cylinder, Disc, Polygon, Sphere
+from gcm_learn.situation import (
+    PLANAR,
+    SOLID,
+    SPACE,
+    Box,
+    Capsule,
+    Cloud,
+    Cylinder,
+    Disc,
+    Mesh,
+    Polygon,
+    Sphere,
+)  # fmt: skip
 from gcm_learn.situation.schema import LISTS, NUMBERS
 from gcm_learn.situation.shapes import Shape
 from tests.planar_geometry import depths, segment_distances
 
+_DRAWN = np.random.default_rng(3)
+POINTS = Cloud(_DRAWN.uniform(-0.4, 0.4, (137, 3)), 0.05)
+"""Balls of which some overlap, in a tree that is not full."""
+FOLDS = Mesh(_DRAWN.uniform(-0.4, 0.4, (40, 3)), _DRAWN.integers(0, 39, (61, 3)))
+"""Triangles that cross each other; some have no area, and a vertex is not used."""
 BENT = Polygon(((-0.3, -0.3), (0.3, -0.3), (0.3, 0.3), (0.2, -0.1), (-0.2, -0.1), (-0.3, 0.3)))
 EXAMPLES = {
     Disc: (Disc(0.3), ball), Polygon: (BENT, polygon), Sphere: (Sphere(0.3), ball),
     Box: (Box((0.1, 0.2, 0.3)), box), Capsule: (Capsule(0.1, 0.3), capsule),
-    Cylinder: (Cylinder(0.25, 0.15), cylinder),
+    Cylinder: (Cylinder(0.25, 0.15), cylinder), Cloud: (POINTS, cloud), Mesh: (FOLDS, mesh),
 }  # fmt: skip
 """A shape of each class, and the file of its kernels."""
 of_all = pytest.mark.parametrize("shape", [s for s, _ in EXAMPLES.values()], ids=lambda s: s.kind)
+SOLIDS_TOO = {made: ("inner_radius", "cut") if made in SOLID else () for made in SPACE}
+of_space = pytest.mark.parametrize("shape", [EXAMPLES[s][0] for s in SPACE], ids=lambda s: s.kind)
 of_solids = pytest.mark.parametrize("shape", [EXAMPLES[s][0] for s in SOLID], ids=lambda s: s.kind)
 
 
@@ -63,23 +82,25 @@ def true_depths(shape, points):
 def test_every_layer_knows_every_shape(made):
     shape, file = EXAMPLES[made]
     entry = ENTRIES[made]
-    assert (made in PLANAR) != (made in SOLID)
-    assert made in NUMBERS or made in LISTS
+    assert (made in PLANAR) != (made in SPACE)
+    assert made in NUMBERS or made in LISTS or made is Mesh
     assert len(entry.sizes(shape)) == 3
     assert [e.number for e in ENTRIES.values()].count(entry.number) == 1
     questions = {"gap", "gap_of_bone", "long_axis"}
-    if made in SOLID:
-        questions |= {"from_nearest", "inner_radius", "cut"}
+    if made in SPACE:
+        questions |= {"from_nearest"}
         assert made in MESHES
+    if made in SOLID:
+        questions |= {"inner_radius", "cut"}
         assert made.kind in GEOMS
     assert questions <= set(dir(file))
 
 
 def test_the_choice_names_every_shape_in_every_question():
     """A branch that is missing would answer for another shape."""
-    for made in SOLID:
+    for made in SPACE:
         file = EXAMPLES[made][1].__name__.rpartition(".")[2]
-        for question in ("gap", "gap_of_bone", "long_axis", "from_nearest", "inner_radius", "cut"):
+        for question in ("gap", "gap_of_bone", "long_axis", "from_nearest", *SOLIDS_TOO[made]):
             source = inspect.getsource(getattr(choice, question).py_func)
             assert f"{file}.{question}(" in source
 
@@ -100,7 +121,7 @@ def test_the_gap_of_a_bone_is_that_of_its_nearest_point(shape, rng):
     bodies, share = bodies_of(shape), np.linspace(0.0, 1.0, 2001)[:, None]
     for p, q in points_near(shape, rng, 120).reshape(-1, 2, 3):
         sampled = max(true_depths(shape, p + share * (q - p)).min(), 0.0)
-        found = choice.gap_of_bone(bodies, 0, tuple(p), tuple(q))
+        found = choice.gap_of_bone(bodies, 0, tuple(p), tuple(q), 1e300)
         spacing = np.linalg.norm(q - p) / 2000
         assert sampled - 0.5 * spacing - 1e-9 <= found <= sampled + 1e-9
 
@@ -115,19 +136,29 @@ def test_poses_turn_the_question_not_the_answer(shape, rng):
         turn, centre = random_rotation(rng), rng.normal(size=3)
     poses = np.hstack([centre, np.zeros(9) if ENTRIES[type(shape)].is_ball else turn.ravel()])[None]
     a, b = tuple(centre + turn @ p), tuple(centre + turn @ q)
-    gap, bone = choice.gap(bodies, 0, *p), choice.gap_of_bone(bodies, 0, tuple(p), tuple(q))
+    gap, bone = choice.gap(bodies, 0, *p), choice.gap_of_bone(bodies, 0, tuple(p), tuple(q), 1e300)
     assert point_distance(bodies, poses, 0, *a) == pytest.approx(gap, abs=1e-9)
-    assert bone_distance(bodies, poses, 0, a, b) == pytest.approx(bone, abs=1e-9)
+    assert bone_distance(bodies, poses, 0, a, b, 1e300) == pytest.approx(bone, abs=1e-9)
 
 
-@of_solids
+@of_space
 def test_the_vector_from_the_nearest_point_ends_there(shape, rng):
     bodies = bodies_of(shape)
     for p in points_near(shape, rng, 200):
-        away = np.array(choice.from_nearest(bodies, 0, *p))
+        part = choice.part_near(bodies, 0, tuple(p), tuple(p))
+        away = np.array(choice.from_nearest(bodies, 0, part, *p))
         gap = choice.gap(bodies, 0, *p)
         assert np.linalg.norm(away) == pytest.approx(max(gap, 0.0), abs=1e-12)
-        assert gap <= 0.0 or choice.gap(bodies, 0, *(p - away)) == pytest.approx(0.0, abs=1e-12)
+        assert gap <= 0.0 or choice.gap(bodies, 0, *(p - away)) == pytest.approx(0.0, abs=1e-9)
+
+
+@pytest.mark.parametrize("shape", [POINTS, FOLDS], ids=lambda s: s.kind)
+def test_what_is_beyond_what_was_asked_for_is_said_to_be_far(shape, rng):
+    bodies = bodies_of(shape)
+    for p, q in points_near(shape, rng, 200).reshape(-1, 2, 3):
+        true = choice.gap_of_bone(bodies, 0, tuple(p), tuple(q), 1e300)
+        found = choice.gap_of_bone(bodies, 0, tuple(p), tuple(q), 0.1)
+        assert found == (true if true <= 0.1 else 1e300)
 
 
 @of_solids
@@ -162,7 +193,7 @@ def test_the_long_axis_is_that_of_most_spread(shape, rng):
     assert abs(most @ x) == pytest.approx(np.linalg.norm(x), rel=0.03)
 
 
-@of_all
+@pytest.mark.parametrize("shape", [EXAMPLES[s][0] for s in PLANAR + SOLID], ids=lambda s: s.kind)
 def test_the_gap_in_the_plane_is_that_of_the_cut(shape, rng):
     bodies = bodies_of(shape)
     for height in (0.0,) if isinstance(shape, PLANAR) else (0.0, 0.1, 0.9):

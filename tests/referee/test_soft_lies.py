@@ -230,9 +230,13 @@ def test_clearance_counts_what_is_carried():
     assert carried < 0.09  # links stay 0.13 above the shelf
 
 
+CORNER = {"kind": "mesh", "vertices": [[0, 0, 0]]}
 REFUSED = [
-    ((*BOX, "shape"), {"kind": "cloud"}, "not known here yet"),
-    ((*WALL, "shape"), {"kind": "mesh"}, "not known here yet"),
+    ((*BOX, "shape"), {"kind": "cloud"}, "bodies[0].shape.kind: cloud is not a kind of shape here"),
+    ((*WALL, "shape"), {"kind": "cloud", "radius": 1}, "bodies[2].shape.points: is missing"),
+    ((*WALL, "shape"), CORNER | {"triangles": []}, "bodies[2].shape.triangles: [] is not allowed"),
+    ((*WALL, "shape"), CORNER | {"triangles": [[0, 0, 1]]}, "triangles: there are 1 vertices"),
+    ((*WALL, "shape"), {"kind": "mesh", "file": "a.stl"}, "bodies[2].shape.vertices: is missing"),
     (HOLD, {"seconds": 1}, "bodies[0].hold.relative_speed: is missing"),
     ((*HOLD, "relative_speed"), 0, "bodies[0].hold.relative_speed"),
     ((*HOLD, "seconds"), -0.1, "bodies[0].hold.seconds"),

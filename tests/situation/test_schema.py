@@ -21,7 +21,8 @@ BEYOND = [
     "is no link", "from 0 to 2", "with itself", "not the name of", "are given without",
     "is too fast", "one entry for each", "cannot be read", "not known",
     "must be a list of 2 numbers (got 1)", "finite", "is given without max", "needs limits",
-    " is too large (max", "no hand can", "must be a list of 1 numbers",
+    " is no vertex", "must be an index", '" is for obstacles', " is too large (max",
+    "no hand can", "must be a list of 1 numbers",
 ]  # fmt: skip
 """Reasons of refusals that no schema can tell."""
 

@@ -6,10 +6,10 @@ Points are in the body's own frame unless a pose is given. A table has the packi
 from __future__ import annotations
 
 from gcm_learn.compiled import njit
-from gcm_learn.scene.bodies import BALL, BOX, CAPSULE, CYLINDER, KIND, POLYGON
-from gcm_learn.scene.shapes import ball, box, capsule, cylinder, polygon
+from gcm_learn.scene.bodies import BALL, BOX, CAPSULE, CLOUD, CYLINDER, KIND, MESH, POLYGON
+from gcm_learn.scene.shapes import ball, box, capsule, cloud, cylinder, mesh, polygon
 from gcm_learn.scene.shapes.region import ShapeEntry, new_cut, region_distance
-from gcm_learn.situation import Box, Capsule, Cylinder, Disc, Polygon, Shape, Sphere
+from gcm_learn.situation import Box, Capsule, Cloud, Cylinder, Disc, Mesh, Polygon, Shape, Sphere
 
 
 @njit(_nrt=False)
@@ -24,12 +24,19 @@ def gap(bodies, b, x, y, z):
         return cylinder.gap(bodies, b, x, y, z)
     if kind == POLYGON:
         return polygon.gap(bodies, b, x, y, z)
+    if kind == CLOUD:
+        return cloud.gap(bodies, b, x, y, z)
+    if kind == MESH:
+        return mesh.gap(bodies, b, x, y, z)
     return ball.gap(bodies, b, x, y, z)
 
 
 @njit(_nrt=False, forceinline=True)
-def gap_of_bone(bodies, b, p, q):
-    """Distance of the segment p-q to body b, 0 when they meet; p and q are tuples of 3 floats."""
+def gap_of_bone(bodies, b, p, q, enough):
+    """Distance of the segment p-q to body b, 0 when they meet; p and q are tuples of 3 floats.
+
+    Distances above `enough` need not be exact; 1e300 says no more.
+    """
     kind = bodies.rows[b, KIND]
     if kind == POLYGON:
         return polygon.gap_of_bone(bodies, b, p, q)
@@ -39,12 +46,25 @@ def gap_of_bone(bodies, b, p, q):
         return capsule.gap_of_bone(bodies, b, p, q)
     if kind == CYLINDER:
         return cylinder.gap_of_bone(bodies, b, p, q)
+    if kind == CLOUD:
+        return cloud.gap_of_bone(bodies, b, p, q, enough)
+    if kind == MESH:
+        return mesh.gap_of_bone(bodies, b, p, q, enough)
     return ball.gap_of_bone(bodies, b, p, q)
 
 
 @njit(_nrt=False)
-def from_nearest(bodies, b, x, y, z):
-    """Vector (3) from the nearest point of solid b to a point; 0 from inside."""
+def part_near(bodies, b, p, q):
+    """Part of body b that is nearest to the segment p-q, which is convex; -1 for the whole body."""
+    kind = bodies.rows[b, KIND]
+    if kind == CLOUD:
+        return cloud.part_near(bodies, b, p, q)
+    return mesh.part_near(bodies, b, p, q) if kind == MESH else -1
+
+
+@njit(_nrt=False)
+def from_nearest(bodies, b, part, x, y, z):
+    """Vector (3) from the nearest point of a part of solid b to a point; 0 from inside."""
     kind = bodies.rows[b, KIND]
     if kind == BOX:
         return box.from_nearest(bodies, b, x, y, z)
@@ -52,7 +72,18 @@ def from_nearest(bodies, b, x, y, z):
         return capsule.from_nearest(bodies, b, x, y, z)
     if kind == CYLINDER:
         return cylinder.from_nearest(bodies, b, x, y, z)
+    if kind == CLOUD:
+        return cloud.from_nearest(bodies, b, part, x, y, z)
+    if kind == MESH:
+        return mesh.from_nearest(bodies, b, part, x, y, z)
     return ball.from_nearest(bodies, b, x, y, z)
+
+
+@njit(_nrt=False, forceinline=True)
+def is_convex(bodies, b):
+    """Return whether body b is convex, so that its distance is a convex function of the place."""
+    kind = bodies.rows[b, KIND]
+    return kind != POLYGON and kind != CLOUD and kind != MESH
 
 
 @njit(_nrt=False)
@@ -80,6 +111,10 @@ def long_axis(bodies, b):
         return cylinder.long_axis(bodies, b)
     if kind == POLYGON:
         return polygon.long_axis(bodies, b)
+    if kind == CLOUD:
+        return cloud.long_axis(bodies, b)
+    if kind == MESH:
+        return mesh.long_axis(bodies, b)
     return ball.long_axis(bodies, b)
 
 
@@ -135,6 +170,8 @@ ENTRIES: dict[type, ShapeEntry] = {
     Box: box.ENTRY,
     Capsule: capsule.ENTRY,
     Cylinder: cylinder.ENTRY,
+    Cloud: cloud.ENTRY,
+    Mesh: mesh.ENTRY,
 }
 
 

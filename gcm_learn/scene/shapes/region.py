@@ -141,5 +141,5 @@ class ShapeEntry(NamedTuple):
     """True if the shape is all of the ball that holds it, so that no turn can be seen."""
     is_round: bool = False
     """True if a turn about the z axis cannot be seen."""
-    vertices: Callable[[Any], tuple[tuple[float, float], ...]] = lambda _shape: ()
-    """Corners in the plane, from a shape of `gcm_learn.situation`."""
+    vertices: Callable[[Any], Any] = lambda _shape: ()
+    """Corners in the plane or a tree (m, 2), from a shape of `gcm_learn.situation`."""

@@ -15,22 +15,22 @@ from gcm_learn.scene.bodies import (
     VELOCITY,
     centre_at,
 )
-from gcm_learn.scene.shapes.choice import from_nearest
+from gcm_learn.scene.shapes.choice import from_nearest, part_near
 
 _NEARLY = 1e-6  # share of a bone to which its nearest point is found
 _MOMENT = 1e-3  # over which what swings is differentiated [s]
 
 
 @njit(_nrt=False)
-def _slope(bodies, b, p, d, s):
-    """Half the derivative by s of the squared distance of p + s d to solid b."""
-    x, y, z = from_nearest(bodies, b, p[0] + s * d[0], p[1] + s * d[1], p[2] + s * d[2])
+def _slope(bodies, b, part, p, d, s):
+    """Half the derivative by s of the squared distance of p + s d to a part of solid b."""
+    x, y, z = from_nearest(bodies, b, part, p[0] + s * d[0], p[1] + s * d[1], p[2] + s * d[2])
     return x * d[0] + y * d[1] + z * d[2]
 
 
 @njit(_nrt=False)
-def _share_of(bodies, b, p, d):
-    """Return s in [0, 1] at which p + s d is nearest to solid b: the root of the slope.
+def _share_of(bodies, b, part, p, d):
+    """Return s in [0, 1] at which p + s d is nearest to a part of solid b: the root of the slope.
 
     By the Illinois rule, and bisection every third step, as for cylinders.
     """
@@ -38,7 +38,7 @@ def _share_of(bodies, b, p, d):
         along = p[0] * d[0] + p[1] * d[1] + p[2] * d[2]
         length2 = d[0] * d[0] + d[1] * d[1] + d[2] * d[2]
         return min(max(-along / max(length2, 1e-300), 0.0), 1.0)
-    below, above = _slope(bodies, b, p, d, 0.0), _slope(bodies, b, p, d, 1.0)
+    below, above = _slope(bodies, b, part, p, d, 0.0), _slope(bodies, b, part, p, d, 1.0)
     if below >= 0.0 or above <= 0.0:
         return 0.0 if below >= 0.0 else 1.0
     low, high, turn = 0.0, 1.0, 0
@@ -47,7 +47,7 @@ def _share_of(bodies, b, p, d):
         s = 0.5 * (low + high)
         if turn % 3:
             s = low - below * (high - low) / (above - below)
-        slope = _slope(bodies, b, p, d, s)
+        slope = _slope(bodies, b, part, p, d, s)
         if slope == 0.0 or s <= low or s >= high:
             return s
         if slope < 0.0:
@@ -61,7 +61,7 @@ def _share_of(bodies, b, p, d):
 def nearest_on_bone(bodies, b, poses, p, q):
     """Return the point of the bone from p to q nearest to body b at its pose, and the way there.
 
-    The squared distance is convex along the bone.
+    The squared distance to a convex part is convex along the bone.
 
     Returns
     -------
@@ -74,8 +74,9 @@ def nearest_on_bone(bodies, b, poses, p, q):
     p = to_body(bodies, poses, b, p[0], p[1], p[2])
     q = to_body(bodies, poses, b, q[0], q[1], q[2])
     d = (q[0] - p[0], q[1] - p[1], q[2] - p[2])
-    s = _share_of(bodies, b, p, d)
-    x, y, z = from_nearest(bodies, b, p[0] + s * d[0], p[1] + s * d[1], p[2] + s * d[2])
+    part = part_near(bodies, b, p, q)
+    s = _share_of(bodies, b, part, p, d)
+    x, y, z = from_nearest(bodies, b, part, p[0] + s * d[0], p[1] + s * d[1], p[2] + s * d[2])
     if rows[b, BALL] > 0.0:
         return s, -x, -y, -z
     return (

@@ -1,0 +1,100 @@
+"""Files of clouds and meshes, which the package and the referee read alike."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from gcm_learn import referee
+from gcm_learn.checks import positive, quote, text
+from gcm_learn.errors import SituationError
+from gcm_learn.situation.arm_files import stamp_of
+from gcm_learn.situation.surfaces import Cloud, Mesh
+
+
+def read_mesh(path: str | Path, scale: float = 1.0) -> Mesh:
+    """Read all objects of a file as one mesh; polygons are cut into fans.
+
+    Parameters
+    ----------
+    path : str or Path
+        A file of stl, obj, ply or off, text or binary.
+    scale : float
+        Factor of all coordinates, above zero.
+
+    Raises
+    ------
+    SituationError
+        In one line.
+    """
+    vertices, triangles = _read(referee.read_mesh, Path(path))
+    return Mesh(vertices * positive(scale, "scale"), triangles)
+
+
+def read_points(path: str | Path) -> np.ndarray:
+    """Read the points (n, 3) of a ``.npy`` file of float32 or float64, without pickles.
+
+    Raises
+    ------
+    SituationError
+        In one line.
+    """
+    points: np.ndarray = _read(referee.read_points, Path(path))
+    return points
+
+
+def with_files(members: dict[str, Any], path: str, folder: Path) -> dict[str, Any]:
+    """Return the members of a cloud or mesh with numbers in place of the names of files.
+
+    Parameters
+    ----------
+    members : dict
+        Of the JSON object of a shape.
+    path : str
+        Path of the shape in the situation, for messages.
+    folder : Path
+        Folder to which paths are relative.
+    """
+    result = dict(members)
+    if members["kind"] == Cloud.kind and isinstance(members.get("points"), str):
+        return result | {"points": _once(referee.read_points, members, "points", path, folder)}
+    if members["kind"] != Mesh.kind or "file" not in members:
+        return result
+    for name in ("vertices", "triangles"):
+        if name in members:
+            raise SituationError(f"{path}.file", f"is given beside {name}")
+    try:
+        text(result.pop("file"), "file")
+        scale = positive(result.pop("scale", 1.0), "scale")
+    except SituationError as error:
+        raise SituationError(f"{path}.{error.field}", error.reason) from None
+    vertices, triangles = _once(referee.read_mesh, members, "file", path, folder)
+    return result | {"vertices": vertices * scale, "triangles": triangles}
+
+
+Reader = Callable[[Path], Any]
+
+
+def _once(read: Reader, members: dict[str, Any], name: str, path: str, folder: Path) -> Any:
+    """Read a file that many situations name, once; errors name the field."""
+    file = folder / members[name]
+    try:
+        return _unchanged(read, file, stamp_of(file))
+    except SituationError as error:
+        raise SituationError(f"{path}.{name}", error.reason) from None
+
+
+@lru_cache(maxsize=32)
+def _unchanged(read: Reader, file: Path, stamp: tuple[int, int]) -> Any:
+    return _read(read, file)
+
+
+def _read(read: Reader, path: Path) -> Any:
+    try:
+        return read(path)
+    except referee.Unreadable as error:
+        raise SituationError("", f"{quote(path.name)} {error}") from None
