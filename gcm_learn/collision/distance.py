@@ -59,7 +59,7 @@ def segment_distance(bodies, poses, b, ax, ay, bx, by):
     if bodies.rows[b, BALL] > 0.0:  # without turning either end, which would take longer
         d2 = segment_point2(poses[b, 0], poses[b, 1], ax, ay, bx, by)
         return max(np.sqrt(d2 + poses[b, 2] * poses[b, 2]) - bodies.rows[b, SIZE], 0.0)
-    return bone_distance(bodies, poses, b, (ax, ay, 0.0), (bx, by, 0.0), 1e300)
+    return bone_distance(bodies, poses, b, (ax, ay, 0.0), (bx, by, 0.0), 1e300, 1e300)
 
 
 @njit(_nrt=False)
@@ -136,11 +136,11 @@ def to_body(bodies, poses, b, x, y, z):
 
 
 @njit(_nrt=False)
-def bone_distance(bodies, poses, b, p, q, enough):
+def bone_distance(bodies, poses, b, p, q, near, far):
     """Distance of the segment p-q to body b at its pose, 0 when they meet; see `gap_of_bone`."""
     p = to_body(bodies, poses, b, p[0], p[1], p[2])
     q = to_body(bodies, poses, b, q[0], q[1], q[2])
-    return gap_of_bone(bodies, b, p, q, enough)
+    return gap_of_bone(bodies, b, p, q, near, far)
 
 
 @njit(_nrt=False)

@@ -100,8 +100,8 @@ def _gap_to_links(limb, where, slack, bodies, b, t, off, enough, poses):
             if turned:
                 rotate(bodies, b, t, poses)
                 turned = False
-            far = enough + slip + radius
-            gap = bone_distance(bodies, poses, b, (px, py, pz), (qx, qy, qz), far) - radius
+            p, q, exact = (px, py, pz), (qx, qy, qz), enough + radius
+            gap = bone_distance(bodies, poses, b, p, q, exact, exact + slip) - radius
         best, room = min(best, gap), min(room, gap - slip)
     return best - margin, room - margin
 
@@ -168,8 +168,8 @@ def _gap_to_near(arrays, count, bodies, b, t, turned, off, enough, bones, poses)
                 u, v, w, ball = balls[i, 0], balls[i, 1], balls[i, 2], balls[i, 3]
                 gap = max(gap, point_distance(bodies, poses, b, u, v, w) - ball)
             if gap - slip <= enough and (gap < best or gap - slip < room):
-                far = enough + slip + radii[i]
-                gap = bone_distance(bodies, poses, b, (px, py, pz), (qx, qy, qz), far) - radii[i]
+                p, q, exact = (px, py, pz), (qx, qy, qz), enough + radii[i]
+                gap = bone_distance(bodies, poses, b, p, q, exact, exact + slip) - radii[i]
         left = gap - slip
         hinged = bones and i == 0 and left <= enough and is_convex(bodies, b)
         if hinged and slip > 0.0 == bodies.rows[b, TOP_SPEED]:
@@ -187,7 +187,8 @@ slack : slack of the limb
 off : float
     How much nearer the body may come, too.
 enough : float
-    Distances above this, slack taken off, need not be exact; 1e300 says no more.
+    Distances above this need not be exact. Neither need those that are above it without slack, and
+    1e300 says no more; what is at most this without slack says so.
 """
 
 

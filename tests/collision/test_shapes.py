@@ -121,7 +121,7 @@ def test_the_gap_of_a_bone_is_that_of_its_nearest_point(shape, rng):
     bodies, share = bodies_of(shape), np.linspace(0.0, 1.0, 2001)[:, None]
     for p, q in points_near(shape, rng, 120).reshape(-1, 2, 3):
         sampled = max(true_depths(shape, p + share * (q - p)).min(), 0.0)
-        found = choice.gap_of_bone(bodies, 0, tuple(p), tuple(q), 1e300)
+        found = choice.gap_of_bone(bodies, 0, tuple(p), tuple(q), 1e300, 1e300)
         spacing = np.linalg.norm(q - p) / 2000
         assert sampled - 0.5 * spacing - 1e-9 <= found <= sampled + 1e-9
 
@@ -136,9 +136,12 @@ def test_poses_turn_the_question_not_the_answer(shape, rng):
         turn, centre = random_rotation(rng), rng.normal(size=3)
     poses = np.hstack([centre, np.zeros(9) if ENTRIES[type(shape)].is_ball else turn.ravel()])[None]
     a, b = tuple(centre + turn @ p), tuple(centre + turn @ q)
-    gap, bone = choice.gap(bodies, 0, *p), choice.gap_of_bone(bodies, 0, tuple(p), tuple(q), 1e300)
+    gap, bone = (
+        choice.gap(bodies, 0, *p),
+        choice.gap_of_bone(bodies, 0, tuple(p), tuple(q), 1e300, 1e300),
+    )
     assert point_distance(bodies, poses, 0, *a) == pytest.approx(gap, abs=1e-9)
-    assert bone_distance(bodies, poses, 0, a, b, 1e300) == pytest.approx(bone, abs=1e-9)
+    assert bone_distance(bodies, poses, 0, a, b, 1e300, 1e300) == pytest.approx(bone, abs=1e-9)
 
 
 @of_space
@@ -156,9 +159,10 @@ def test_the_vector_from_the_nearest_point_ends_there(shape, rng):
 def test_what_is_beyond_what_was_asked_for_is_said_to_be_far(shape, rng):
     bodies = bodies_of(shape)
     for p, q in points_near(shape, rng, 200).reshape(-1, 2, 3):
-        true = choice.gap_of_bone(bodies, 0, tuple(p), tuple(q), 1e300)
-        found = choice.gap_of_bone(bodies, 0, tuple(p), tuple(q), 0.1)
-        assert found == (true if true <= 0.1 else 1e300)
+        true = choice.gap_of_bone(bodies, 0, tuple(p), tuple(q), 1e300, 1e300)
+        found = choice.gap_of_bone(bodies, 0, tuple(p), tuple(q), 0.05, 0.1)
+        assert found == true if true <= 0.05 else found >= true
+        assert (found <= 0.1) == (true <= 0.1)
 
 
 @of_solids

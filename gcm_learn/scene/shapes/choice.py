@@ -32,10 +32,11 @@ def gap(bodies, b, x, y, z):
 
 
 @njit(_nrt=False, forceinline=True)
-def gap_of_bone(bodies, b, p, q, enough):
+def gap_of_bone(bodies, b, p, q, near, far):
     """Distance of the segment p-q to body b, 0 when they meet; p and q are tuples of 3 floats.
 
-    Distances above `enough` need not be exact; 1e300 says no more.
+    It is exact up to `near`. If it is above, the answer may be larger, but is at most `far` if the
+    distance is. An answer above `far` says no more than that.
     """
     kind = bodies.rows[b, KIND]
     if kind == POLYGON:
@@ -47,9 +48,9 @@ def gap_of_bone(bodies, b, p, q, enough):
     if kind == CYLINDER:
         return cylinder.gap_of_bone(bodies, b, p, q)
     if kind == CLOUD:
-        return cloud.gap_of_bone(bodies, b, p, q, enough)
+        return cloud.gap_of_bone(bodies, b, p, q, near, far)
     if kind == MESH:
-        return mesh.gap_of_bone(bodies, b, p, q, enough)
+        return mesh.gap_of_bone(bodies, b, p, q, near, far)
     return ball.gap_of_bone(bodies, b, p, q)
 
 

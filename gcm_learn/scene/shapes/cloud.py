@@ -5,22 +5,20 @@ from __future__ import annotations
 import numpy as np
 
 from gcm_learn.compiled import njit
-from gcm_learn.scene.bodies import CLOUD
-from gcm_learn.scene.shapes.ball import off_bone
+from gcm_learn.scene.bodies import CLOUD, SIZE
 from gcm_learn.scene.shapes.region import ShapeEntry
-from gcm_learn.scene.shapes.tree import depth_of, kept, nearest, tree_of
+from gcm_learn.scene.shapes.tree import above, depth_of, kept, nearest, point_apart2, tree_of
 from gcm_learn.situation import Cloud
 
-LEAF = 8
-_ROWS = 2  # of a point in the tree
+LEAF = 16
+_ROWS = 2  # of a point in the tree: three numbers and a free one
 
 
 @kept
 def _tree(cloud: Cloud) -> np.ndarray:
     """Return the tree of a cloud."""
-    count = len(cloud.points)
-    radii = np.full(count, cloud.radius)
-    return tree_of(np.c_[cloud.points, radii], cloud.points, radii, LEAF)
+    spare = np.zeros(len(cloud.points))
+    return tree_of(np.c_[cloud.points, spare], cloud.points, spare, LEAF)
 
 
 def _sizes(cloud: Cloud) -> tuple[float, float, float]:
@@ -30,29 +28,30 @@ def _sizes(cloud: Cloud) -> tuple[float, float, float]:
 ENTRY = ShapeEntry(CLOUD, _sizes, vertices=_tree)
 
 
-@njit(_nrt=False, forceinline=True)
-def _off_ball(bodies, b, row, p, q):
-    v = bodies.vertices
-    x, y, z = v[row, 0] - p[0], v[row, 1] - p[1], v[row + 1, 0] - p[2]
-    return off_bone(x, y, z, q[0] - p[0], q[1] - p[1], q[2] - p[2]) - v[row + 1, 1]
+@njit(_nrt=False)
+def _nearest(bodies, b, p, q, least, near, far):
+    """Distance of the nearest point to the segment p-q, and its row."""
+    return nearest(point_apart2, _ROWS, bodies, b, p, q, least, near, far)
 
 
 @njit(_nrt=False)
 def gap(bodies, b, x, y, z):
     """Signed distance of a point, negative inside a ball."""
-    return nearest(_off_ball, _ROWS, bodies, b, (x, y, z), (x, y, z), -1e300, 1e300)[0]
+    return _nearest(bodies, b, (x, y, z), (x, y, z), 0.0, 1e300, 1e300)[0] - bodies.rows[b, SIZE]
 
 
 @njit(_nrt=False)
-def gap_of_bone(bodies, b, p, q, enough):
-    """Distance of the segment p-q, 0 when they meet."""
-    return max(nearest(_off_ball, _ROWS, bodies, b, p, q, 0.0, enough)[0], 0.0)
+def gap_of_bone(bodies, b, p, q, near, far):
+    """Distance of the segment p-q, 0 when they meet; see `choice.gap_of_bone`."""
+    radius = bodies.rows[b, SIZE]
+    found, _ = _nearest(bodies, b, p, q, radius, above(near + radius), above(far + radius))
+    return max(found - radius, 0.0)
 
 
 @njit(_nrt=False)
 def part_near(bodies, b, p, q):
     """Row of the ball that is nearest to the segment p-q."""
-    return nearest(_off_ball, _ROWS, bodies, b, p, q, -1e300, 1e300)[1]
+    return _nearest(bodies, b, p, q, 0.0, 1e300, 1e300)[1]
 
 
 @njit(_nrt=False)
@@ -61,7 +60,7 @@ def from_nearest(bodies, b, part, x, y, z):
     v = bodies.vertices
     x, y, z = x - v[part, 0], y - v[part, 1], z - v[part + 1, 0]
     far = np.sqrt(x * x + y * y + z * z)
-    out = max(far - v[part + 1, 1], 0.0) / max(far, 1e-300)
+    out = max(far - bodies.rows[b, SIZE], 0.0) / max(far, 1e-300)
     return out * x, out * y, out * z
 
 

@@ -8,11 +8,11 @@ from gcm_learn.arms.link_gaps import segments_apart2
 from gcm_learn.compiled import njit
 from gcm_learn.scene.bodies import MESH
 from gcm_learn.scene.shapes.region import ShapeEntry
-from gcm_learn.scene.shapes.tree import depth_of, kept, nearest, tree_of
+from gcm_learn.scene.shapes.tree import above, depth_of, kept, nearest, tree_of
 from gcm_learn.situation import Mesh
 
 LEAF = 2
-_ROWS = 5  # of a triangle in the tree: nine numbers and a free one
+_ROWS = 6  # of a triangle in the tree: a corner, two edges and the unit normal
 
 
 @kept
@@ -21,8 +21,11 @@ def _tree(mesh: Mesh) -> np.ndarray:
     corners = mesh.corners
     middle = 0.5 * (corners.min(axis=1) + corners.max(axis=1))
     radii = np.linalg.norm(corners - middle[:, None], axis=2).max(axis=1)
-    parts = np.c_[corners.reshape(-1, 9), np.zeros(len(corners))]
-    return tree_of(parts, middle, radii, LEAF)
+    u, v = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    normal = np.cross(u, v)
+    area = np.linalg.norm(normal, axis=1)[:, None]
+    normal /= np.where(area > 0.0, area, 1.0)
+    return tree_of(np.c_[corners[:, 0], u, v, normal], middle, radii, LEAF)
 
 
 def _sizes(mesh: Mesh) -> tuple[float, float, float]:
@@ -50,72 +53,77 @@ def _cross(p, q):
 @njit(_nrt=False, forceinline=True)
 def _above(w, u, v, n):
     """Return whether the normal n through the point w meets the triangle of 0, u and v."""
+    if n[0] == n[1] == n[2] == 0.0:  # it has no area
+        return False
     within = _dot(_cross(u, w), n) >= 0.0 and _dot(_cross(w, v), n) >= 0.0
     return within and _dot(_cross(_minus(v, u), _minus(w, u)), n) >= 0.0
 
 
 @njit(_nrt=False, forceinline=True)
 def _edges(v, row):
-    """Corner of a triangle and the two edges (3) that begin there."""
-    corner = v[row, 0], v[row, 1], v[row + 1, 0]
-    second, third = (
+    """Corner, the two edges that begin there, and the unit normal of a triangle (3 each)."""
+    return (
+        (v[row, 0], v[row, 1], v[row + 1, 0]),
         (v[row + 1, 1], v[row + 2, 0], v[row + 2, 1]),
         (v[row + 3, 0], v[row + 3, 1], v[row + 4, 0]),
+        (v[row + 4, 1], v[row + 5, 0], v[row + 5, 1]),
     )
-    return corner, _minus(second, corner), _minus(third, corner)
 
 
 @njit(_nrt=False)
-def _off_triangle(bodies, b, row, p, q):
-    """Distance of the segment p-q to a triangle: by its edges, its plane, or 0 where it crosses."""
-    corner, u, v = _edges(bodies.vertices, row)
-    p, d = _minus(p, corner), _minus(q, p)
-    q = _minus(q, corner)
+def _apart2(t, row, p, d, inverse, far):
+    """Squared distance of a triangle: by its plane, its edges, or 0 where the segment crosses."""
+    corner, u, v, n = _edges(t, row)
+    p = _minus(p, corner)
+    q = p[0] + d[0], p[1] + d[1], p[2] + d[2]
+    high, low = _dot(n, p), _dot(n, q)
+    if high * low > 0.0 and min(abs(high), abs(low)) > far:
+        return 1e300
     back = -p[0], -p[1], -p[2]
     best = min(segments_apart2(u, d, back), segments_apart2(v, d, back))
     best = min(best, segments_apart2(_minus(v, u), d, _minus(u, p)))
-    n = _cross(u, v)
-    size2 = _dot(n, n)
-    if size2 > 0.0:
-        above, below = _dot(n, p), _dot(n, q)
-        if _above(p, u, v, n):
-            best = min(best, above * above / size2)
-        if _above(q, u, v, n):
-            best = min(best, below * below / size2)
-        if above * below < 0.0:
-            s = above / (above - below)
-            if _above((p[0] + s * d[0], p[1] + s * d[1], p[2] + s * d[2]), u, v, n):
-                return 0.0
-    return np.sqrt(max(best, 0.0))
+    if high * low < 0.0:
+        s = high / (high - low)
+        if _above((p[0] + s * d[0], p[1] + s * d[1], p[2] + s * d[2]), u, v, n):
+            return 0.0
+    if high * high < best and _above(p, u, v, n):
+        best = high * high
+    if low * low < best and _above(q, u, v, n):
+        best = low * low
+    return max(best, 0.0)
+
+
+@njit(_nrt=False)
+def _nearest(bodies, b, p, q, near, far):
+    """Distance of the nearest triangle to the segment p-q, and its row."""
+    return nearest(_apart2, _ROWS, bodies, b, p, q, 0.0, near, far)
 
 
 @njit(_nrt=False)
 def gap(bodies, b, x, y, z):
     """Distance of a point."""
-    return nearest(_off_triangle, _ROWS, bodies, b, (x, y, z), (x, y, z), 0.0, 1e300)[0]
+    return _nearest(bodies, b, (x, y, z), (x, y, z), 1e300, 1e300)[0]
 
 
 @njit(_nrt=False)
-def gap_of_bone(bodies, b, p, q, enough):
-    """Distance of the segment p-q, 0 when they meet."""
-    return nearest(_off_triangle, _ROWS, bodies, b, p, q, 0.0, enough)[0]
+def gap_of_bone(bodies, b, p, q, near, far):
+    """Distance of the segment p-q, 0 when they meet; see `choice.gap_of_bone`."""
+    return _nearest(bodies, b, p, q, above(near), above(far))[0]
 
 
 @njit(_nrt=False)
 def part_near(bodies, b, p, q):
     """Row of the triangle that is nearest to the segment p-q."""
-    return nearest(_off_triangle, _ROWS, bodies, b, p, q, 0.0, 1e300)[1]
+    return _nearest(bodies, b, p, q, 1e300, 1e300)[1]
 
 
 @njit(_nrt=False)
 def from_nearest(bodies, b, part, x, y, z):
     """Vector (3) from the nearest point of a triangle to a point."""
-    corner, u, v = _edges(bodies.vertices, part)
+    corner, u, v, n = _edges(bodies.vertices, part)
     w = _minus((x, y, z), corner)
-    n = _cross(u, v)
-    size2 = _dot(n, n)
-    if size2 > 0.0 and _above(w, u, v, n):
-        up = _dot(n, w) / size2
+    if _above(w, u, v, n):
+        up = _dot(n, w)
         return up * n[0], up * n[1], up * n[2]
     first, second = _off_edge(w, u), _off_edge(w, v)
     third = _off_edge(_minus(w, u), _minus(v, u))

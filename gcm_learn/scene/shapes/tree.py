@@ -1,9 +1,9 @@
 """Trees of bounding balls, in which the part that is nearest to a segment is found.
 
 A tree is complete: node k has the children 2 k + 1 and 2 k + 2, and leaf j of n holds the parts
-from j count // n to (j + 1) count // n. It lies in `Bodies.vertices`, two numbers in a row. A node
-takes two rows (centre and radius); the parts follow after the nodes. A body's row says where the
-tree begins (FIRST), how many parts it has and how deep it is (second and third of its sizes).
+from j count // n to (j + 1) count // n. It lies in `Bodies.vertices`, two numbers in a row: the box
+about all parts (low and high end), the nodes (centre and radius), the parts. A body's row says
+where the tree begins (FIRST), how many parts it has and how deep it is (second and third size).
 """
 
 from __future__ import annotations
@@ -16,11 +16,9 @@ import numpy as np
 
 from gcm_learn.compiled import njit
 from gcm_learn.scene.bodies import FIRST, SIZE
-from gcm_learn.scene.shapes.ball import off_bone
 from gcm_learn.situation import Surface
 
-NONE = 1e300
-"""Distance of parts that are farther than what was asked for."""
+_HEAD = 3  # rows of the box
 _ROUNDED_UP = 1.0 + 1e-12  # no part may stick out of a ball
 
 
@@ -60,7 +58,9 @@ def tree_of(parts: np.ndarray, centres: np.ndarray, radii: np.ndarray, leaf: int
     -------
     (rows, 2) ndarray
     """
-    count, nodes, order = len(parts), [], np.arange(len(parts))
+    count, order = len(parts), np.arange(len(parts))
+    box = (centres - radii[:, None]).min(axis=0), (centres + radii[:, None]).max(axis=0)
+    rows = [np.concatenate(box)]
     depth = depth_of(count, leaf)
     for level in range(depth + 1):
         edges = count * np.arange(2**level + 1) // 2**level
@@ -70,77 +70,105 @@ def tree_of(parts: np.ndarray, centres: np.ndarray, radii: np.ndarray, leaf: int
         high = np.maximum.reduceat(c + r[:, None], starts)
         middle = 0.5 * (low + high)
         far = np.linalg.norm(c - middle[which], axis=1) + r
-        nodes.append(np.c_[middle, np.maximum.reduceat(far, starts) * _ROUNDED_UP])
+        rows.append(np.c_[middle, np.maximum.reduceat(far, starts) * _ROUNDED_UP].ravel())
         if level < depth:
             along = c[np.arange(count), np.argmax(high - low, axis=1)[which]]
             order = order[np.lexsort((along, which))]
-    return np.concatenate([np.concatenate(nodes).reshape(-1, 2), parts[order].reshape(-1, 2)])
+    return np.concatenate([*rows, parts[order].ravel()]).reshape(-1, 2)
 
 
 @njit(_nrt=False, forceinline=True)
-def _to_node(v, row, p, d):
-    """Lower bound of the distance of the segment from p to p + d to the parts of a node."""
+def above(distance):
+    """Return the next larger distance, or a little more."""
+    return distance + 1e-12 * abs(distance)
+
+
+@njit(_nrt=False, forceinline=True)
+def point_apart2(v, row, p, d, inverse, far):
+    """Squared distance of the point in a row to the segment from p to p + d.
+
+    Parameters
+    ----------
+    inverse : float
+        Of the squared length of d; 0 for a point.
+    far : float
+        Distances above it need not be exact.
+    """
     x, y, z = v[row, 0] - p[0], v[row, 1] - p[1], v[row + 1, 0] - p[2]
-    return off_bone(x, y, z, d[0], d[1], d[2]) - v[row + 1, 1]
+    s = min(max((x * d[0] + y * d[1] + z * d[2]) * inverse, 0.0), 1.0)
+    x, y, z = x - s * d[0], y - s * d[1], z - s * d[2]
+    return x * x + y * y + z * z
 
 
 @njit(_nrt=False, forceinline=True)
-def nearest(off_part, rows_of_part, bodies, b, p, q, floor, enough):
+def _off_box2(v, row, p, d):
+    """Squared distance of the middle of the segment from p to p + d to the box about all parts."""
+    x, y, z = p[0] + 0.5 * d[0], p[1] + 0.5 * d[1], p[2] + 0.5 * d[2]
+    x = max(v[row, 0] - x, x - v[row + 1, 1], 0.0)
+    y = max(v[row, 1] - y, y - v[row + 2, 0], 0.0)
+    z = max(v[row + 1, 0] - z, z - v[row + 2, 1], 0.0)
+    return x * x + y * y + z * z
+
+
+@njit(_nrt=False, forceinline=True)
+def nearest(apart2, rows_of_part, bodies, b, p, q, least, near, far):
     """Find the part of body b that is nearest to the segment p-q.
 
     Parameters
     ----------
-    off_part : callable
-        Maps (bodies, b, row, p, q) to the distance of the part that begins in a row.
+    apart2 : callable
+        Squared distance of a part, as `point_apart2`.
     rows_of_part : int
-    floor : float
-        Distance at which the search stops: nothing nearer is asked for.
-    enough : float
-        Distance beyond which no part is asked for.
+    least, near, far : float
+        Distance at which the search stops; up to which it is exact; and from which on no part is
+        asked for. Between the last two, any part is as good as the nearest.
 
     Returns
     -------
     distance : float
-        NONE if it is beyond `enough`.
+        1e300 if it is not below `far`.
     row : int
         Row in `Bodies.vertices` in which the part begins.
     """
     v, first = bodies.vertices, int(bodies.rows[b, FIRST])
     count, depth = int(bodies.rows[b, SIZE + 1]), int(bodies.rows[b, SIZE + 2])
     leaves, d = 1 << depth, (q[0] - p[0], q[1] - p[1], q[2] - p[2])
-    parts = first + 2 * (2 * leaves - 1)
-    best, found, place = enough, NONE, parts
-    node, level, waiting = 0, 0, 0
-    if _to_node(v, first, p, d) > best:
+    parts = first + _HEAD + 2 * (2 * leaves - 1)
+    length2 = d[0] * d[0] + d[1] * d[1] + d[2] * d[2]
+    inverse = 1.0 / length2 if length2 > 0.0 else 0.0
+    best, found, place = far, 1e300, parts
+    if _off_box2(v, first, p, d) > (far + 0.5 * np.sqrt(length2)) ** 2 or far < 0.0:
         return found, place
+    first += _HEAD
+    node, level, waiting = 0, 0, 0
+    apart = point_apart2(v, first, p, d, inverse, 0.0)
     while True:
-        if level < depth:
-            node = 2 * node + 1
-            near, far = _to_node(v, first + 2 * node, p, d), _to_node(v, first + 2 * node + 2, p, d)
-            level += 1
-            if far < near:
-                node, near, far = node + 1, far, near
-            if far <= best:
+        reach = best + v[first + 2 * node + 1, 1]
+        if reach > 0.0 and apart < reach * reach:
+            if level < depth:  # on with the nearer child
+                node = 2 * node + 1
+                level += 1
                 waiting |= 1 << level
-            if near <= best:
+                row = first + 2 * node
+                apart = point_apart2(v, row, p, d, inverse, 0.0)
+                other = point_apart2(v, row + 2, p, d, inverse, 0.0)
+                if other < apart:
+                    node, apart = node + 1, other
                 continue
-        else:
             leaf = node - leaves + 1
             for k in range(leaf * count // leaves, (leaf + 1) * count // leaves):
                 row = parts + rows_of_part * k
-                away = off_part(bodies, b, row, p, q)
-                if away <= best:
-                    best, found, place = away, away, row
-            if found <= floor:
+                away = apart2(v, row, p, d, inverse, best)
+                if away < best * best:
+                    found, place = np.sqrt(away), row
+                    best = min(found, near)
+            if found <= least:
                 return found, place
-        while True:  # back to the nearest sibling that waits
-            if level == 0:
-                return found, place
-            if waiting >> level & 1:
-                waiting ^= 1 << level
-                node += 1 if node & 1 else -1
-                if _to_node(v, first + 2 * node, p, d) <= best:
-                    break
-            else:
-                node = (node - 1) >> 1
-                level -= 1
+        while level > 0 and not waiting >> level & 1:
+            node = (node - 1) >> 1
+            level -= 1
+        if level == 0:
+            return found, place
+        waiting ^= 1 << level
+        node += 1 if node & 1 else -1
+        apart = point_apart2(v, first + 2 * node, p, d, inverse, 0.0)

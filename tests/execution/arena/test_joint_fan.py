@@ -122,7 +122,9 @@ def room_of(situation, q, t):
             gap = np.linalg.norm(poses[b, :3] - hand) - bodies.rows[b, REACH]
         else:
             for p, r in ((np.zeros(3), elbow), (elbow, hand)):
-                least = min(least, bone_distance(bodies, poses, b, tuple(p), tuple(r), 1e300))
+                least = min(
+                    least, bone_distance(bodies, poses, b, tuple(p), tuple(r), 1e300, 1e300)
+                )
     return least, gap
 
 

@@ -221,7 +221,7 @@ def test_nearest_points_are_the_nearest(arms, rng):
             size = bodies.rows[b, 5]
             p, q = (at[b, :3] + rng.normal(size=3) * size * 1.5 for _ in range(2))
             s, x, y, z = nearness.nearest_on_bone(bodies, b, at, tuple(p), tuple(q))
-            true = bone_distance(bodies, at, b, tuple(p), tuple(q), 1e300)
+            true = bone_distance(bodies, at, b, tuple(p), tuple(q), 1e300, 1e300)
             assert np.sqrt(x * x + y * y + z * z) == pytest.approx(true, abs=1e-4 * size)
             assert 0.0 <= s <= 1.0
     assert len(kinds) > 2 and BOX in kinds
