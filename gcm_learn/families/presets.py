@@ -76,6 +76,13 @@ def _picks(*names: str, arm: Config = _SMOOTH_PANDA, holds: Config = _HOLDS) -> 
     return tuple({"family": name, **_PICKS[name], "arm": arm, "holds": holds} for name in names)
 
 
+def _drawn_as(arm: Config, measured: Config, *names: str) -> tuple[Config, ...]:
+    return tuple(
+        {"family": name, **_EASY, **_EASY_RANGES.get(name, {}), "arm": arm, "measured": measured}
+        for name in names
+    )
+
+
 def _sixths(common: Config, ranges: Mapping[str, Config], arm: Config) -> tuple[Config, ...]:
     return tuple({"family": name, **common, **own, "arm": arm} for name, own in ranges.items())
 
@@ -113,6 +120,18 @@ PRESETS: dict[str, Preset] = {
     ),
     "ur5-belt": Preset(
         "a UR5 picks a box from a belt and puts it into a bin", _picks("conveyor-chain", arm=_UR5)
+    ),
+    "panda-shelf-mesh": Preset(
+        "a Panda reaches into shelves that are meshes",
+        _drawn_as(_PANDA, {"meshes": 1.0}, "shelf-chain"),
+    ),
+    "panda-room-cloud": Preset(
+        "a Panda among furniture and flying things that are clouds of points",
+        _drawn_as(_PANDA, {"clouds": 1.0}, "shelf-chain", "window-chain", "drawer-chain"),
+    ),
+    "panda-person": Preset(
+        "a Panda takes a part while persons walk past, whose margins grow",
+        ({"family": "person-chain", "arm": _LIMITED_PANDA, "holds": {"share": 1.0}},),
     ),
     "space-hold": Preset(
         "arms of four joints hold balls, four families in turns",

@@ -14,7 +14,7 @@ from gcm_learn.errors import FamilyError, FileFormatError, UnknownNameError, not
 from gcm_learn.families import clutter, flights
 from gcm_learn.families.chain.belts import ConveyorChain, TurntableChain
 from gcm_learn.families.chain.boxes import DrawerChain, ShelfChain
-from gcm_learn.families.chain.company import HandoverChain, OtherArmChain
+from gcm_learn.families.chain.company import HandoverChain, OtherArmChain, PersonChain
 from gcm_learn.families.chain.flights import FallingChain, SequenceChain, SwarmChain, ThrowChain
 from gcm_learn.families.chain.pendulum import PendulumChain
 from gcm_learn.families.chain.walls import GateChain, WindowChain
@@ -53,7 +53,7 @@ _FAMILIES: dict[str, type[Family]] = {
         SequenceSpace,
         ThrowChain, ConveyorChain, WindowChain, PendulumChain, SwarmChain, ShelfChain,
         TurntableChain, OtherArmChain, DrawerChain, FallingChain, GateChain, HandoverChain,
-        SequenceChain,
+        SequenceChain, PersonChain,
     )
 }  # fmt: skip
 

@@ -8,14 +8,23 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from gcm_learn.arms import Base, hands_along
-from gcm_learn.families.chain.family import ChainFamily, Story, facing, on_the_way
+from gcm_learn.families.chain.family import ChainFamily, Story, aimed, facing, on_the_way
 from gcm_learn.families.chain.motions import arriving, shifted
 from gcm_learn.families.chain.stage import Stage, Way
 from gcm_learn.families.layout import TRIES
-from gcm_learn.families.ranges import Range, number, pick, pick_angle, span
-from gcm_learn.families.space.solids import axes_along, solid, unit_vector
+from gcm_learn.families.ranges import (
+    Counts,
+    Range,
+    counts,
+    number,
+    pick,
+    pick_angle,
+    pick_count,
+    span,
+)
+from gcm_learn.families.space.solids import UP, axes_along, solid, unit_vector
 from gcm_learn.motion import Movement, as_obstacles
-from gcm_learn.situation import Body, Box, Capsule
+from gcm_learn.situation import Body, Box, Capsule, Cylinder, Margin
 
 ERROR = 0.01  # by which links of the second arm are thicker [reaches]
 
@@ -115,3 +124,47 @@ class HandoverChain(ChainFamily):
             solid("palm", Box((0.02 * reach, apart, 0.04 * reach)), wrist, axes),
             solid("forearm", Capsule(0.035 * reach, half), wrist + half * lean, axes_along(lean)),
         )
+
+
+@dataclass(frozen=True)
+class PersonChain(ChainFamily):
+    """Persons walk past a part on a stand; where they go is known the less, the later it is."""
+
+    name = "person-chain"
+    summary = "a part on a stand, and persons who walk past, with margins that grow"
+
+    persons: Counts = counts(1, 2, 1)
+    """Number of persons."""
+    walk: Range = span(0.4, 1.5)
+    """Their speed [reaches/s]."""
+    stout: Range = span(0.18, 0.26, 0.01)
+    """Their radius [reaches]."""
+    tall: Range = span(0.7, 0.85, 0.01)
+    """Half the height of their shoulders, less the radius [reaches]."""
+    now: Range = span(0.02, 0.05)
+    """Margins at t = 0 [reaches]."""
+    growth: Range = span(0.02, 0.1)
+    """Rates of margins [reaches/s]."""
+    stand: Range = span(0.03, 0.06, 0.01)
+    """Radius of the stand [reaches]."""
+
+    def story(self, rng: np.random.Generator, stage: Stage) -> Story:
+        """A part, a stand, persons."""
+        way = self.way(rng, stage, lambda hands, axes: axes[:, 2] < 0.0)
+        part = self.ball(rng, stage, way.meet, 0.0)
+        thin = 0.012 * stage.arm.reach
+        low = way.meet - (part.shape.bounding_radius + thin) * UP
+        stand = solid("stand", Cylinder(stage.size(rng, self.stand), thin), low)
+        persons = aimed(rng, stage, way, self._person, pick_count(rng, self.persons))
+        return Story(way, (part, stand, *persons), under=("stand",))
+
+    def _person(self, rng: np.random.Generator, stage: Stage, way: Way, k: int) -> Body:
+        """A person who walks through a place on the way when the arm is there."""
+        place, when = on_the_way(rng, stage, way)
+        angle, pace = pick_angle(rng), stage.size(rng, self.walk)
+        radius, half = stage.size(rng, self.stout), stage.size(rng, self.tall)
+        course = pace * np.array([math.cos(angle), math.sin(angle), 0.0])
+        there = np.array([place[0], place[1], radius + half])
+        body = solid(f"person {k + 1}", Capsule(radius, half), there, when=when, velocity=course)
+        margin = Margin(stage.size(rng, self.now), stage.size(rng, self.growth))
+        return replace(body, margin=margin)

@@ -17,6 +17,7 @@ from gcm_learn.checks import show
 from gcm_learn.errors import FamilyError, FileFormatError, SituationError
 from gcm_learn.families import ranges
 from gcm_learn.families.chain.bins import Bins
+from gcm_learn.families.chain.measured import Measured
 from gcm_learn.families.chain.stage import Stage, Way, stage_of
 from gcm_learn.families.family import TINY, Family
 from gcm_learn.families.holds import Holds
@@ -166,6 +167,7 @@ class ChainFamily(Family):
     """Their speed [reaches/s]."""
     holds: Holds = field(default_factory=Holds)
     bins: Bins = field(default_factory=Bins)
+    measured: Measured = field(default_factory=Measured)
 
     def sketch(self, rng: np.random.Generator, name: str) -> Situation[Chain]:
         """Draw once."""
@@ -183,7 +185,8 @@ class ChainFamily(Family):
             story = story._replace(bodies=_kept(stage, story))
         way = story.way
         strays = aimed(rng, stage, way, self._stray, ranges.pick_count(rng, self.strays))
-        bodies = (*story.bodies, *strays, *stage.floor)
+        shown = self.measured.of(rng, stage, way, (*story.bodies, *strays))
+        bodies = (*shown, *stage.floor)
         start: Any = tuple(way.start.tolist())
         arm = replace(stage.arm, joints=start, joint_rates=self.arm.rates(rng, stage.arm))
         situation = Situation(name, horizon, arm, bodies, catch=story.catch)

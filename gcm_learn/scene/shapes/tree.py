@@ -58,23 +58,62 @@ def tree_of(parts: np.ndarray, centres: np.ndarray, radii: np.ndarray, leaf: int
     -------
     (rows, 2) ndarray
     """
-    count, order = len(parts), np.arange(len(parts))
+    centres = np.array(centres)  # one that may be written to, so that the kernel has one type
+    order, nodes = np.arange(len(parts)), np.empty((2 ** (depth_of(len(parts), leaf) + 1) - 1, 4))
+    _divide(centres, radii, order, nodes)
     box = (centres - radii[:, None]).min(axis=0), (centres + radii[:, None]).max(axis=0)
-    rows = [np.concatenate(box)]
-    depth = depth_of(count, leaf)
-    for level in range(depth + 1):
-        edges = count * np.arange(2**level + 1) // 2**level
-        starts, which = edges[:-1], np.repeat(np.arange(2**level), np.diff(edges))
-        c, r = centres[order], radii[order]
-        low = np.minimum.reduceat(c - r[:, None], starts)
-        high = np.maximum.reduceat(c + r[:, None], starts)
-        middle = 0.5 * (low + high)
-        far = np.linalg.norm(c - middle[which], axis=1) + r
-        rows.append(np.c_[middle, np.maximum.reduceat(far, starts) * _ROUNDED_UP].ravel())
-        if level < depth:
-            along = c[np.arange(count), np.argmax(high - low, axis=1)[which]]
-            order = order[np.lexsort((along, which))]
-    return np.concatenate([*rows, parts[order].ravel()]).reshape(-1, 2)
+    return np.concatenate([*box, nodes.ravel(), parts[order].ravel()]).reshape(-1, 2)
+
+
+@njit(_nrt=False)
+def _divide(centres, radii, order, nodes):
+    """Put the parts into `order` (n,), and write the balls of all nodes, level by level."""
+    count, node, wide = order.size, 0, 1
+    while node < nodes.shape[0]:
+        for k in range(wide):
+            low, high = k * count // wide, (k + 1) * count // wide
+            axis, longest = 0, -1.0
+            for a in range(3):
+                least, most = 1e300, -1e300
+                for i in range(low, high):
+                    place, radius = centres[order[i], a], radii[order[i]]
+                    least, most = min(least, place - radius), max(most, place + radius)
+                nodes[node, a] = 0.5 * (least + most)
+                if most - least > longest:
+                    axis, longest = a, most - least
+            reach = 0.0
+            for i in range(low, high):
+                away = 0.0
+                for a in range(3):
+                    away += (centres[order[i], a] - nodes[node, a]) ** 2
+                reach = max(reach, np.sqrt(away) + radii[order[i]])
+            nodes[node, 3] = reach * _ROUNDED_UP
+            if 2 * node + 2 < nodes.shape[0]:
+                _part(centres, axis, order, low, high, (2 * k + 1) * count // (2 * wide))
+            node += 1
+        wide *= 2
+
+
+@njit(_nrt=False)
+def _part(centres, axis, order, low, high, middle):
+    """Order the parts from `low` to `high` so that none before `middle` lies behind it (Hoare)."""
+    while high - low > 1:
+        pivot = centres[order[(low + high) // 2], axis]
+        i, j = low, high - 1
+        while i <= j:
+            while centres[order[i], axis] < pivot:
+                i += 1
+            while centres[order[j], axis] > pivot:
+                j -= 1
+            if i <= j:
+                order[i], order[j] = order[j], order[i]
+                i, j = i + 1, j - 1
+        if middle <= j:
+            high = j + 1
+        elif middle >= i:
+            low = i
+        else:
+            return
 
 
 @njit(_nrt=False, forceinline=True)

@@ -1,0 +1,93 @@
+"""Obstacles as a camera or a drawing has them: clouds of points, and meshes."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from gcm_learn.families.chain.stage import Stage, Way
+from gcm_learn.families.ranges import Range, Ranges, number, pick, span
+from gcm_learn.situation import Body, Box, Capsule, Cloud, Cylinder, Mesh, SolidShape, Sphere
+
+SIDES = 16  # of the polygon that stands for a circle
+MOST = 20_000  # points of a cloud
+
+
+@dataclass(frozen=True)
+class Measured(Ranges):
+    """Shares of obstacles that are surfaces; the floor stays as it is."""
+
+    clouds: float = number(0.0)
+    """Share of obstacles that are points on their surfaces, with balls about them."""
+    meshes: float = number(0.0)
+    """Share of obstacles that are meshes."""
+    spacing: Range = span(0.012, 0.02, 1e-3)
+    """Mean distance of neighbouring points, which is the radius of the balls, too [reaches]."""
+
+    def of(
+        self, rng: np.random.Generator, stage: Stage, way: Way, bodies: Sequence[Body]
+    ) -> list[Body]:
+        """Return bodies of which some are surfaces, where these leave the ends of the way free."""
+        made = list(bodies)
+        for k, body in enumerate(bodies):
+            if body.role == "target" or self.clouds + self.meshes == 0.0:
+                continue
+            share = rng.random()
+            if share < self.clouds + self.meshes and isinstance(body.shape, SolidShape):
+                shape: Cloud | Mesh = mesh_of(body.shape)
+                if share < self.clouds:
+                    shape = cloud_of(rng, body.shape, pick(rng, self.spacing) * stage.arm.reach)
+                other = replace(body, shape=shape)
+                made[k] = other if stage.fits(way, (other,)) else body
+        return made
+
+
+def cloud_of(rng: np.random.Generator, shape: SolidShape, spacing: float) -> Cloud:
+    """Draw points on the surface of a solid; `spacing` is their mean distance and the radius."""
+    corners = mesh_of(shape).corners
+    sides = corners[:, 1:] - corners[:, :1]
+    areas = 0.5 * np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
+    count = int(np.clip(areas.sum() / spacing**2, 8, MOST))
+    which = rng.choice(len(areas), count, p=areas / areas.sum())
+    share = np.sort(rng.random((count, 2)), axis=1)
+    share = np.column_stack([share[:, 0], share[:, 1] - share[:, 0], 1.0 - share[:, 1]])
+    return Cloud(np.einsum("kc,kcd->kd", share, corners[which]), spacing)
+
+
+def mesh_of(shape: SolidShape) -> Mesh:
+    """Return the surface of a solid as triangles, whose corners lie on it."""
+    if isinstance(shape, Box):
+        ends = np.array(list(itertools.product((-1.0, 1.0), repeat=3))) * shape.half_extents
+        quads = ((0, 1, 3, 2), (4, 5, 7, 6), (0, 1, 5, 4), (2, 3, 7, 6), (0, 2, 6, 4), (1, 3, 7, 5))
+        return _mesh(ends, [(a, b, c) for a, *rest in quads for b, c in itertools.pairwise(rest)])
+    profile = _profile(shape)
+    angle = np.arange(SIDES) * (2.0 * np.pi / SIDES)
+    circle = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    rings = [np.c_[r * circle, np.full(SIDES, z)] for r, z in profile]
+    triangles = []
+    for low in range(0, SIDES * (len(rings) - 1), SIDES):
+        for k in range(SIDES):
+            a, b = low + k, low + (k + 1) % SIDES
+            triangles += [(a, b, a + SIDES), (b, b + SIDES, a + SIDES)]
+    return _mesh(np.concatenate(rings), triangles)
+
+
+def _mesh(corners: np.ndarray, triangles: list[tuple[int, int, int]]) -> Mesh:
+    return Mesh(corners, np.array(triangles))
+
+
+def _profile(shape: Sphere | Capsule | Cylinder) -> list[tuple[float, float]]:
+    """Return distances from the z axis and heights, from the lowest point to the highest."""
+    r = shape.radius
+    if isinstance(shape, Cylinder):
+        h = shape.half_length
+        return [(0.0, -h), (r, -h), (r, h), (0.0, h)]
+    half = shape.half_length if isinstance(shape, Capsule) else 0.0
+    turns = np.linspace(-0.5 * np.pi, 0.5 * np.pi, SIDES // 2 + 1)
+    arc = np.stack([r * np.cos(turns), r * np.sin(turns)], axis=1)
+    middle = len(arc) // 2
+    points = np.concatenate([arc[: middle + 1] - (0.0, half), arc[middle:] + (0.0, half)])
+    return [(float(x), float(z)) for x, z in points]
