@@ -31,7 +31,7 @@ class Solid(NamedTuple):
     ball: Callable[[Shape], float]
     """Radius of the ball about the centre that holds the shape."""
     ready: Callable[[Shape], Shape] = lambda shape: shape
-    """What is made of the shape before it is asked."""
+    """The shape as the other functions take it."""
     centred: bool = True
     """True if the centre of the body is in the shape."""
 

@@ -81,7 +81,7 @@ def read_mesh(path: Path) -> tuple[Array, Array]:
     Raises
     ------
     Unreadable
-        If it is no file of `MESHES`, or has no triangle.
+        If it is of another kind, or is broken, or lacks triangles.
     """
     read = MESHES.get(path.suffix.lower())
     if read is None:
@@ -161,7 +161,7 @@ def _ply(content: bytes) -> tuple[Any, Faces]:
 
 
 def _rows(source: _Words | _Numbers, properties: list[list[str]], count: int) -> dict[str, Any]:
-    """Return columns by the names of properties; those of lists are lists."""
+    """Return columns by the names of properties; a property of lists has a list for each row."""
     if all(len(given) == 2 for given in properties):
         return source.table([(name, PLY[kind]) for kind, name in properties], count)
     made: dict[str, Any] = {given[-1]: [] for given in properties}

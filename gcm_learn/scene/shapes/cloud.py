@@ -66,5 +66,5 @@ def from_nearest(bodies, b, part, x, y, z):
 
 @njit(_nrt=False)
 def long_axis(bodies, b):
-    """Longest axis (3): none, as nothing is known of how balls are spread."""
+    """Longest axis (3): zero, which means unknown."""
     return 0.0, 0.0, 0.0

@@ -142,5 +142,5 @@ def _off_edge(w, d):
 
 @njit(_nrt=False)
 def long_axis(bodies, b):
-    """Longest axis (3): none, as nothing is known of how triangles are spread."""
+    """Longest axis (3): zero, which means unknown."""
     return 0.0, 0.0, 0.0

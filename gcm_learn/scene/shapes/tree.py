@@ -1,7 +1,7 @@
 """Trees of bounding balls, in which the part that is nearest to a segment is found.
 
-A tree is complete: node k has the children 2 k + 1 and 2 k + 2, and leaf j of n holds the parts
-from j count // n to (j + 1) count // n. It lies in `Bodies.vertices`, two numbers in a row: the box
+A tree is complete: node k has the children 2 k + 1 and 2 k + 2. Leaf j of n holds the parts from
+j count // n to (j + 1) count // n. It lies in `Bodies.vertices`, two numbers in a row: the box
 about all parts (low and high end), the nodes (centre and radius), the parts. A body's row says
 where the tree begins (FIRST), how many parts it has and how deep it is (second and third size).
 """
