@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -37,24 +38,29 @@ class Measured(Ranges):
                 continue
             share = rng.random()
             if share < self.clouds + self.meshes and isinstance(body.shape, SolidShape):
-                shape: Cloud | Mesh = mesh_of(body.shape)
+                shape: Any = mesh_of(body.shape)
                 if share < self.clouds:
-                    shape = cloud_of(rng, body.shape, pick(rng, self.spacing) * stage.arm.reach)
+                    spacing = pick(rng, self.spacing) * stage.arm.reach
+                    count = int(np.clip(areas_of(shape).sum() / spacing**2, 8, MOST))
+                    shape = cloud_of(rng, shape, count, spacing)
                 other = replace(body, shape=shape)
                 made[k] = other if stage.fits(way, (other,)) else body
         return made
 
 
-def cloud_of(rng: np.random.Generator, shape: SolidShape, spacing: float) -> Cloud:
-    """Draw points on the surface of a solid; `spacing` is their mean distance and the radius."""
-    corners = mesh_of(shape).corners
-    sides = corners[:, 1:] - corners[:, :1]
-    areas = 0.5 * np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
-    count = int(np.clip(areas.sum() / spacing**2, 8, MOST))
+def areas_of(mesh: Mesh) -> np.ndarray:
+    """Return the areas (t,) of the triangles of a mesh."""
+    sides = mesh.corners[:, 1:] - mesh.corners[:, :1]
+    return np.asarray(0.5 * np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1))
+
+
+def cloud_of(rng: np.random.Generator, mesh: Mesh, count: int, radius: float) -> Cloud:
+    """Draw so many points on a mesh, evenly over its area, with balls of a radius about them."""
+    areas = areas_of(mesh)
     which = rng.choice(len(areas), count, p=areas / areas.sum())
     share = np.sort(rng.random((count, 2)), axis=1)
     share = np.column_stack([share[:, 0], share[:, 1] - share[:, 0], 1.0 - share[:, 1]])
-    return Cloud(np.einsum("kc,kcd->kd", share, corners[which]), spacing)
+    return Cloud(np.einsum("kc,kcd->kd", share, mesh.corners[which]), radius)
 
 
 def mesh_of(shape: SolidShape) -> Mesh:
