@@ -99,12 +99,15 @@ def _to_triangles(corners: Array, a: Array, b: Array) -> Array:
     normal = np.cross(u, v)
     area = np.linalg.norm(normal, axis=-1)
     normal = normal / np.where(area > 0.0, area, 1.0)[..., None]
+    longest = np.max([np.linalg.norm(side, axis=-1) for side in (u, v, v - u)], axis=0)
+    thin = area / np.where(longest > 0.0, longest, 1.0)  # nothing is farther from all edges
+    edge = best
     heights = [((end - origin) * normal).sum(axis=-1) for end in (a, b)]
     for end, height in zip((a, b), heights, strict=True):
-        over = (area > 0.0) & _within(end - origin, u, v)
+        over = (edge <= np.abs(height) + thin) & _within(end - origin, u, v)
         best = np.where(over, np.minimum(best, np.abs(height)), best)
     up, down = heights
-    crosses = (area > 0.0) & (up * down < 0.0)
+    crosses = (edge <= thin) & (up * down < 0.0)
     share = np.where(crosses, up / np.where(crosses, up - down, 1.0), 0.0)
     return np.where(crosses & _within(a + share[..., None] * (b - a) - origin, u, v), 0.0, best)
 

@@ -15,6 +15,8 @@ import pytest
 from gcm_learn.collision.distance import bone_distance, point_distance
 from gcm_learn.execution.body.model import GEOMS
 from gcm_learn.families.random_solid import random_rotation
+from gcm_learn.referee.segments import segments_apart
+from gcm_learn.referee.shapes import segment_gaps
 from gcm_learn.rendering.solids import MESHES
 from gcm_learn.scene import Bodies, bodies as k, no_bodies
 from gcm_learn.scene.shapes import ball, box, capsule, choice, cloud, cylinder, mesh, polygon
@@ -35,7 +37,7 @@ from gcm_learn.situation import (
 )  # fmt: skip
 from gcm_learn.situation.schema import LISTS, NUMBERS
 from gcm_learn.situation.shapes import Shape
-from tests.planar_geometry import depths, segment_distances
+from tests.planar_geometry import depths, members, segment_distances
 
 _DRAWN = np.random.default_rng(3)
 POINTS = Cloud(_DRAWN.uniform(-0.4, 0.4, (137, 3)), 0.05)
@@ -153,6 +155,22 @@ def test_the_vector_from_the_nearest_point_ends_there(shape, rng):
         gap = choice.gap(bodies, 0, *p)
         assert np.linalg.norm(away) == pytest.approx(max(gap, 0.0), abs=1e-12)
         assert gap <= 0.0 or choice.gap(bodies, 0, *(p - away)) == pytest.approx(0.0, abs=1e-9)
+
+
+def test_triangles_of_rounding_errors_are_where_they_are(rng):
+    """Slivers and tiny triangles have a plane of any direction."""
+    corners = rng.uniform(-0.4, 0.4, (300, 1, 3)) + 1e-17 * rng.normal(size=(300, 3, 3))
+    corners[::2, 2] = corners[::2, 0] + rng.uniform(-0.3, 0.3, (150, 3))
+    corners[::2, 1] = 0.5 * (corners[::2, 0] + corners[::2, 2])
+    mesh = Mesh(corners.reshape(-1, 3), np.arange(900).reshape(-1, 3))
+    bodies, shape = bodies_of(mesh), members(mesh)
+    p, q = rng.uniform(-0.7, 0.7, (2, 200, 3))
+    true = np.min([segments_apart(p, q, *np.broadcast_to(c[[0, 2]][:, None], (2, 200, 3)))
+                   for c in corners], axis=0)  # fmt: skip
+    found = [choice.gap_of_bone(bodies, 0, tuple(a), tuple(b), 1e300, 1e300)
+             for a, b in zip(p, q, strict=True)]  # fmt: skip
+    np.testing.assert_allclose(found, true, atol=1e-12)
+    np.testing.assert_allclose(segment_gaps(shape, p, q), true, atol=1e-12)
 
 
 @pytest.mark.parametrize("shape", [POINTS, FOLDS], ids=lambda s: s.kind)

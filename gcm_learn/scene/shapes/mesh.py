@@ -12,7 +12,9 @@ from gcm_learn.scene.shapes.tree import above, depth_of, kept, nearest, tree_of
 from gcm_learn.situation import Mesh
 
 LEAF = 2
-_ROWS = 6  # of a triangle in the tree: a corner, two edges and the unit normal
+SLIVER = 1e-7
+"""Share of height and length of a triangle below which its plane is lost in rounding."""
+_ROWS = 7  # of a triangle in the tree: a corner, two edges, unit normal, lowest height, a free one
 
 
 @kept
@@ -23,9 +25,13 @@ def _tree(mesh: Mesh) -> np.ndarray:
     radii = np.linalg.norm(corners - middle[:, None], axis=2).max(axis=1)
     u, v = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     normal = np.cross(u, v)
-    area = np.linalg.norm(normal, axis=1)[:, None]
-    normal /= np.where(area > 0.0, area, 1.0)
-    return tree_of(np.c_[corners[:, 0], u, v, normal], middle, radii, LEAF)
+    area = np.linalg.norm(normal, axis=1)
+    longest = np.linalg.norm([u, v, v - u], axis=2).max(axis=0)
+    flat = area <= SLIVER * longest**2
+    thin = np.where(flat, 0.0, area / np.where(flat, 1.0, longest))
+    normal = np.where(flat, 0.0, normal.T / np.where(flat, 1.0, area)).T
+    parts = np.c_[corners[:, 0], u, v, normal, thin, np.zeros(len(u))]
+    return tree_of(parts, middle, radii, LEAF)
 
 
 def _sizes(mesh: Mesh) -> tuple[float, float, float]:
@@ -82,13 +88,17 @@ def _apart2(t, row, p, d, inverse, far):
     back = -p[0], -p[1], -p[2]
     best = min(segments_apart2(u, d, back), segments_apart2(v, d, back))
     best = min(best, segments_apart2(_minus(v, u), d, _minus(u, p)))
-    if high * low < 0.0:
+    # No point of a triangle is farther than its lowest height from an edge. Where rounding says so,
+    # as of triangles that are tiny and far, only edges count.
+    thin = t[row + 6, 0]
+    if high * low < 0.0 and best <= thin * thin:
         s = high / (high - low)
         if _above((p[0] + s * d[0], p[1] + s * d[1], p[2] + s * d[2]), u, v, n):
             return 0.0
-    if high * high < best and _above(p, u, v, n):
+    edge, high, low = best, abs(high), abs(low)
+    if high * high < best and edge <= (high + thin) ** 2 and _above(p, u, v, n):
         best = high * high
-    if low * low < best and _above(q, u, v, n):
+    if low * low < best and edge <= (low + thin) ** 2 and _above(q, u, v, n):
         best = low * low
     return max(best, 0.0)
 
