@@ -9,6 +9,7 @@ import argparse
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -49,7 +50,7 @@ def swarm(k: int, count: int = 50, size: int = 200) -> tuple[Situation, Situatio
     """Return a Panda among so many balls that fly, and the same as clouds of so many points."""
     config = {"family": "swarm-chain", "strays": [count, count], "stray": [0.02, 0.03]}
     family = families.family_from_dict({**config, "arm": {"model": "panda"}})
-    solid = family.draw(SEED, k)
+    solid: Any = families.draw(family, SEED, k)
     return solid, changed(solid, points(size), k)
 
 

@@ -26,6 +26,7 @@ def file(tmp_path):
     return path
 
 
+@pytest.mark.slow
 def test_a_line_tells_what_came_of_each(file, tmp_path, capsys):
     out = tmp_path / "done.jsonl"
     assert main(["execute", str(file), "--out", str(out)]) == 0

@@ -169,6 +169,7 @@ def test_labels_are_what_comes_of_trying(folder, small):
     assert batch.valid[own, batch.own[own]].mean() > 0.6  # most are valid where they come from
 
 
+@pytest.mark.slow
 def test_train_and_remember_on_the_command_line(case, folder, small, tmp_path, capsys):
     model, place = tmp_path / "encoder", tmp_path / "memory"
     words = ["--turns", "2", "--dim", "8", "--seed", "5"]

@@ -143,6 +143,7 @@ def test_outcomes_of_kinematic_plants_are_those_of_plans(two):
         assert seen.body == wanted["body"] and seen.time <= wanted["time"] + 1e-9
 
 
+@pytest.mark.slow
 def test_execute_says_which_targets_were_caught(two, tmp_path, capsys):
     situation, _ = two
     free = replace(situation, arm=PANDA)
