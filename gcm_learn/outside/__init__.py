@@ -9,11 +9,13 @@ from gcm_learn.outside.moveit import (
     start_of as start_of,
 )
 from gcm_learn.outside.nodes import Node as Node, json_nodes as json_nodes, yaml_node as yaml_node
+from gcm_learn.outside.pcd import read_pcd as read_pcd
 from gcm_learn.outside.predictors import (
     PREDICTORS as PREDICTORS,
     laws_of as laws_of,
     places_of as places_of,
 )
+from gcm_learn.outside.scene_text import scene_node as scene_node
 from gcm_learn.outside.si_rrt import SiRrt as SiRrt
 from gcm_learn.outside.table_tennis import TableTennis as TableTennis
 from gcm_learn.outside.tracks import (
@@ -21,6 +23,7 @@ from gcm_learn.outside.tracks import (
     read_tracks as read_tracks,
     windows as windows,
 )
+from gcm_learn.outside.worlds import World as World
 
 CONVERTERS: dict[str, type[Converter]] = {
     "motionbenchmaker": MotionBenchMaker,

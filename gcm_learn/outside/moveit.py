@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,7 +10,7 @@ import numpy as np
 from gcm_learn.arms import Base, ChainModel, quaternion_of, rotation_of
 from gcm_learn.checks import quote, show
 from gcm_learn.outside.nodes import Node, unique
-from gcm_learn.situation import Body, Box, Cylinder, SolidQuadratic, SolidShape, Sphere
+from gcm_learn.situation import Body, Box, Cylinder, Mesh, SolidQuadratic, SolidShape, Sphere
 
 TYPES = {1: "box", 2: "sphere", 3: "cylinder", 4: "cone", 5: "prism"}
 """Numbers of shapes in ``shape_msgs/SolidPrimitive``."""
@@ -59,33 +59,35 @@ class Pose:
 IDENTITY = Pose(np.zeros(3), np.eye(3))
 
 
-def bodies_of(scene: Node) -> tuple[Body, ...]:
+def bodies_of(scene: Node, world: Pose = IDENTITY) -> tuple[Body, ...]:
     """Return the obstacles of a planning scene, at rest.
 
     Parameters
     ----------
     scene : Node
         A ``moveit_msgs/PlanningScene``.
+    world : Pose, optional
+        Of the scene's frame in the world.
 
     Raises
     ------
     FileFormatError
-        Names file and field, for meshes, planes, octomaps and whatever else is not understood.
+        Names file and field, for planes, octomaps and whatever else is not understood.
     """
     scene.members(SCENE)
     state = scene.find("robot_state")
     attached = None if state is None else state.find("attached_collision_objects")
     if attached is not None:
         raise attached.error("objects that the robot holds are not understood")
-    world = scene.at("world")
-    world.members(("collision_objects", "octomap"))
-    _refuse_octomap(world.find("octomap"))
-    frames = _frames_of(scene)
-    objects = world.find("collision_objects")
+    content = scene.at("world")
+    content.members(("collision_objects", "octomap"))
+    _refuse_octomap(content.find("octomap"))
+    frames = {name: world.then(pose) for name, pose in _frames_of(scene).items()}
+    objects = content.find("collision_objects")
     rows = [] if objects is None else objects.rows()
     unique((row.at("id"), row.at("id").text()) for row in rows)
     bodies = [body for row in rows for body in _object(row, frames)]
-    unique((world, body.name) for body in bodies)
+    unique((content, body.name) for body in bodies)
     return tuple(bodies)
 
 
@@ -126,29 +128,35 @@ def _pose(node: Node) -> Pose:
 
 
 def _object(node: Node, frames: dict[str, Pose]) -> Iterator[Body]:
-    """Return a body for each primitive of a collision object."""
+    """Return a body for each primitive and each mesh of a collision object."""
     node.members(OBJECT)
-    for name in ("meshes", "planes"):
-        found = node.find(name)
-        if found is not None:
-            raise found.error(f"{name} are not understood")
+    planes = node.find("planes")
+    if planes is not None:
+        raise planes.error("planes are not understood")
     operation = node.find("operation")
-    if operation is not None and operation.value not in (0, "0", "add", "ADD"):
+    if operation is not None and operation.value not in (0, "0", "\0", "add", "ADD"):
         raise operation.error(f"must be 0, to add an object (got {show(operation.value)})")
-    shapes, poses = node.at("primitives").rows(), node.at("primitive_poses").rows()
-    if len(shapes) != len(poses):
-        reason = f"has {len(poses)} entries for {len(shapes)} primitives"
-        raise node.at("primitive_poses").error(reason)
     frame, pose = _frame(node, frames), node.find("pose")
     own = frame if pose is None else frame.then(_pose(pose))
+    shapes = [*_posed(node, "primitives", _shape), *_posed(node, "meshes", _mesh)]
     name = node.at("id").text()
-    for k, (shape, given) in enumerate(zip(shapes, poses, strict=True)):
-        where = own.then(_pose(given))
-        turn = quaternion_of(where.turn)
-        rest = (0.0, 0.0, 0.0)
-        motion = SolidQuadratic(tuple(where.place.tolist()), rest, rest, turn)
+    for k, (shape, given) in enumerate(shapes):
+        where, rest = own.then(given), (0.0, 0.0, 0.0)
+        motion = SolidQuadratic(tuple(where.place.tolist()), rest, rest, quaternion_of(where.turn))
         called = name if len(shapes) == 1 else f"{name}/{k + 1}"
-        yield Body("obstacle", called, _shape(shape), motion)
+        yield Body("obstacle", called, shape, motion)
+
+
+def _posed(
+    node: Node, many: str, made: Callable[[Node], SolidShape | Mesh]
+) -> Iterator[tuple[SolidShape | Mesh, Pose]]:
+    """Return shapes of a collision object with their poses."""
+    place = node.inside("primitive_poses" if many == "primitives" else "mesh_poses")
+    found = node.find(many)
+    shapes, poses = found.rows() if found else [], place.rows() if place.value else []
+    if len(shapes) != len(poses):
+        raise place.error(f"has {len(poses)} entries for {len(shapes)} {many}")
+    return ((made(shape), _pose(pose)) for shape, pose in zip(shapes, poses, strict=True))
 
 
 def _frame(node: Node, frames: dict[str, Pose]) -> Pose:
@@ -156,7 +164,7 @@ def _frame(node: Node, frames: dict[str, Pose]) -> Pose:
     header = node.find("header")
     named = None if header is None else header.find("frame_id")
     if named is None:
-        return IDENTITY
+        return frames[""]
     frame = named.text().removeprefix("/")
     if frame not in frames:
         raise named.error(f"the pose of {quote(frame)} is not known")
@@ -180,6 +188,14 @@ def _shape(node: Node) -> SolidShape:
         return sizes.checked(Sphere, *given)
     height, radius = given
     return sizes.checked(Cylinder, radius, 0.5 * height)
+
+
+def _mesh(node: Node) -> Mesh:
+    """Return the shape of a ``shape_msgs/Mesh``."""
+    node.members(("triangles", "vertices"))
+    vertices = [row.point() for row in node.at("vertices").rows()]
+    triangles = [row.at("vertex_indices").value for row in node.at("triangles").rows()]
+    return node.checked(Mesh, vertices, triangles)
 
 
 def start_of(request: Node, scene: Node) -> Node:

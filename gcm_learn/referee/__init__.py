@@ -26,5 +26,6 @@ from gcm_learn.referee.surface_files import (
     inlined as inlined,
     read_mesh as read_mesh,
     read_points as read_points,
+    read_surface as read_surface,
 )
 from gcm_learn.referee.tolerances import Complaint as Complaint, Unreadable as Unreadable

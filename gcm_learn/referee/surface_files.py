@@ -83,6 +83,22 @@ def read_mesh(path: Path) -> tuple[Array, Array]:
     Unreadable
         If it is of another kind, or is broken, or lacks triangles.
     """
+    vertices, triangles = read_surface(path)
+    if not len(triangles):
+        raise Unreadable("has no triangles")
+    if not np.isfinite(vertices).all():
+        raise Unreadable("has vertices that are no numbers")
+    return vertices, triangles
+
+
+def read_surface(path: Path) -> tuple[Array, Array]:
+    """Return vertices (v, 3), as they are, and triangles (t, 3), if any, of a file.
+
+    Raises
+    ------
+    Unreadable
+        If it is no file of `MESHES`.
+    """
     read = MESHES.get(path.suffix.lower())
     if read is None:
         raise Unreadable(f"is no mesh of {', '.join(kind[1:] for kind in MESHES)}")
@@ -93,10 +109,8 @@ def read_mesh(path: Path) -> tuple[Array, Array]:
         raise _unreadable(error) from error
     fans = [[face[0], *face[k : k + 2]] for face in faces for k in range(1, len(face) - 1)]
     triangles = np.array(fans, dtype=np.int64).reshape(-1, 3)
-    if not len(triangles) or triangles.min() < 0 or triangles.max() >= len(vertices):
-        raise Unreadable("has no triangles" if not len(triangles) else "names a vertex it lacks")
-    if not np.isfinite(vertices).all():
-        raise Unreadable("has vertices that are no numbers")
+    if len(triangles) and not 0 <= triangles.min() <= triangles.max() < len(vertices):
+        raise Unreadable("names a vertex it lacks")
     return vertices, triangles
 
 

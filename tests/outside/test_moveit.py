@@ -155,7 +155,7 @@ EXTRA = "joint_constraints:\n      - {joint_name: e, position: 0}"
 REFUSED = [
     ("scene0001", "type: cylinder", "type: cone", 'primitives[0].type: "cone" is not understood'),
     ("scene0002", "{type: 1,", "{type: 4,", 'primitives[0].type: "cone" is not understood'),
-    ("scene0002", "meshes: []", "meshes: [{vertices: []}]", "[0].meshes: meshes are not"),
+    ("scene0002", "meshes: []", "meshes: [{vertices: []}]", "mesh_poses: has 0 entries for 1"),
     ("scene0002", "planes: []", "planes: [{coef: [0, 0, 1, 0]}]", "[0].planes: planes are not"),
     ("scene0002", "data: []", "data: [1, 2]", "world.octomap: octomaps are not understood"),
     ("scene0002", "operation: 0", "operation: 1", "operation: must be 0"),
