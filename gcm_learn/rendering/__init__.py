@@ -6,11 +6,14 @@ from gcm_learn.rendering.bodies import (
     EYE as EYE,
     LINE as LINE,
     SAMPLES as SAMPLES,
+    SHELL as SHELL,
     Spectator as Spectator,
     TargetWay as TargetWay,
     approach_corners as approach_corners,
     body_faces as body_faces,
     drawn_scale as drawn_scale,
+    faces_each as faces_each,
+    margin_at as margin_at,
     path_faces as path_faces,
     solid_faces as solid_faces,
     target_paths as target_paths,
@@ -27,6 +30,12 @@ from gcm_learn.rendering.camera import (
     normals as normals,
     render as render,
     shaded as shaded,
+)
+from gcm_learn.rendering.shells import (
+    FACES as FACES,
+    Shell as Shell,
+    points_drawn as points_drawn,
+    shell as shell,
 )
 from gcm_learn.rendering.solids import (
     HAND as HAND,

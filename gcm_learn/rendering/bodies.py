@@ -7,14 +7,16 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from gcm_learn.arms import quaternion_of
 from gcm_learn.motion import Carry, Movement
 from gcm_learn.planners import Plan
 from gcm_learn.rendering import staging
 from gcm_learn.rendering.camera import Camera, Faces, Window, camera_from, render
+from gcm_learn.rendering.shells import COARSE, FACES, shell
 from gcm_learn.rendering.solids import arm_faces, arrow, frame_along, limb_along, placed, tube
-from gcm_learn.situation import Body, Box, Sampled
+from gcm_learn.situation import Body, Cloud, Sampled
 
 SMALLEST = 0.018  # of the reach: smaller targets are drawn so large
 ARROW = 0.16  # of the reach: length of an approach
@@ -28,16 +30,17 @@ def body_faces(
 ) -> Iterator[Faces]:
     """Yield the bodies at time t [s], or those in some roles, with their approaches.
 
-    The ground is not among them: the stage has a floor there.
+    The ground is not among them: the stage has a floor there. Margins are about opaque bodies.
     """
     (centres, turns), ground = staging.body_poses(situation, [t]), staging.ground_of(situation)
     for body, centre, turn in zip(situation.bodies, centres[0], turns[0], strict=True):
         if (roles and body.role not in roles) or (ground is not None and body is ground.body):
             continue
         yield solid_faces(situation, body, centre, turn, alpha)
-        if body.margin is not None and (wide := body.margin.now + body.margin.rate * t) > 0.0:
-            shell = replace(body, shape=_grown(body.shape, wide))
-            yield solid_faces(situation, shell, centre, turn, SHELL * alpha)
+        if body.margin is not None and alpha == 1.0 and (wide := margin_at(body, t)) > 0.0:
+            about = shell(body.shape, faces_each(situation))  # type: ignore[arg-type]
+            corners = centre + (about.start + wide * about.outward) @ turn.T
+            yield Faces(corners, staging.rgb(staging.OBSTACLE), SHELL, about.outward @ turn.T)
         if body.approach:
             corners = centre + approach_corners(situation, body) @ turn.T
             yield Faces(corners, staging.rgb(staging.APPROACH), alpha)
@@ -52,14 +55,19 @@ def solid_faces(
 ) -> Faces:
     """Return a body at its place (3,), turned by a rotation (3, 3)."""
     colour, scale = staging.rgb(staging.body_colour(body)), drawn_scale(situation, body)
-    return placed(body.shape, centre, turn, colour, alpha, scale)  # type: ignore[arg-type]
+    most = faces_each(situation)
+    return placed(body.shape, centre, turn, colour, alpha, scale, most)  # type: ignore[arg-type]
 
 
-def _grown(shape: Any, by: float) -> Any:
-    """Return a shape that is larger to all sides; one that cannot be made so as it is."""
-    if isinstance(shape, Box):
-        return Box(tuple(half + by for half in shape.half_extents))  # type: ignore[arg-type]
-    return replace(shape, radius=shape.radius + by) if hasattr(shape, "radius") else shape
+def faces_each(situation: staging.JointSituation, of: int = FACES) -> int:
+    """Return the share of each cloud, and of each margin, in so many faces."""
+    several = [body for body in situation.bodies if body.margin or isinstance(body.shape, Cloud)]
+    return max(COARSE, of // max(1, len(several)))
+
+
+def margin_at(body: Body, t: ArrayLike) -> Any:
+    """Return the distance that links keep from a body at times t [s]."""
+    return 0.0 if body.margin is None else body.margin.now + body.margin.rate * np.asarray(t)
 
 
 def with_carries(situation: staging.JointSituation, plan: Plan | None) -> staging.JointSituation:
@@ -231,7 +239,8 @@ def view_of(
     centre = 0.5 * (limb.base + limb.hand.mean(axis=0))
     wanted = [*arm_faces(arm, joints[-1]), *body_faces(situation, end, roles=("target",))]
     wanted += [] if trajectory is None else path_faces(situation, trajectory)
-    others = list(body_faces(situation, end, roles=("obstacle",)))
+    bodies = body_faces(situation, end, roles=("obstacle",))
+    others = [thing for thing in bodies if thing.alpha == 1.0]  # margins hide little
 
     def merit(azimuth: float) -> float:
         view = camera_from(azimuth, elevation, centre, EYE * arm.reach)

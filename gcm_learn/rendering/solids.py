@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Callable, Iterator
 from functools import lru_cache
@@ -14,32 +13,32 @@ from numpy.typing import ArrayLike
 from gcm_learn import situation
 from gcm_learn.arms import hands_along, links_along
 from gcm_learn.rendering.camera import Faces, normals
+from gcm_learn.rendering.shells import FACES, balls, turned
 from gcm_learn.rendering.staging import ARM, INK, JOINT, rgb
 from gcm_learn.situation import Box, Capsule, Cloud, Cylinder, SpaceShape, Sphere
 
-SIDES = 24  # polygon that stands for a circle
 RINGS = 14  # of a sphere, from pole to pole
-TILE = 0.4  # longest side of a tile of a box, where faces are to be sorted by depth
 
 
-def faces(shape: SpaceShape, tile: float = TILE) -> np.ndarray:
+def faces(shape: SpaceShape, most: int = FACES) -> np.ndarray:
     """Return the faces of a solid in its own frame.
 
     Parameters
     ----------
     shape : SpaceShape
-    tile : float
-        About the longest side of a face of a box or along a long solid, so that faces can be sorted
-        by depth; infinite where that is not needed.
+    most : int
+        Largest number of faces of a cloud, some of whose points are left out if need be.
 
     Returns
     -------
     (n, 4, 3) ndarray
-        Quadrilaterals, counter-clockwise when seen from outside.
+        Quadrilaterals, counter-clockwise when seen from outside; those of a mesh as they come.
     """
+    if isinstance(shape, Cloud):
+        return balls(shape, most).start
     if type(shape) not in MESHES:
         raise TypeError(f"not a solid shape: {shape!r}")
-    return MESHES[type(shape)].faces(shape, tile)
+    return MESHES[type(shape)].faces(shape)
 
 
 def round_normals(shape: SpaceShape, corners: np.ndarray) -> np.ndarray | None:
@@ -53,9 +52,9 @@ def has_edges(shape: SpaceShape) -> bool:
     return MESHES[type(shape)].has_edges
 
 
-def _cylinder(shape: Cylinder, tile: float) -> np.ndarray:
+def _cylinder(shape: Cylinder) -> np.ndarray:
     r, h = shape.radius, shape.half_length
-    return _turned(np.array([(0.0, -h), (r, -h), *_side(r, h, tile), (r, h), (0.0, h)]))
+    return turned(np.array([(0.0, -h), (r, -h), (r, h), (0.0, h)]))
 
 
 def _cylinder_normals(shape: Cylinder, corners: np.ndarray) -> np.ndarray:
@@ -74,20 +73,22 @@ def _normals_from(half: float, radius: float, corners: np.ndarray) -> np.ndarray
 
 
 @lru_cache(maxsize=256)
-def _mesh(shape: SpaceShape) -> tuple[np.ndarray, np.ndarray | None]:
-    corners = faces(shape, np.inf)
+def _mesh(shape: SpaceShape, most: int) -> tuple[np.ndarray, np.ndarray | None]:
+    if isinstance(shape, Cloud):
+        return balls(shape, most)
+    corners = faces(shape)
     return corners, round_normals(shape, corners)
 
 
 def placed(
     shape: SpaceShape, centre: np.ndarray, turn: np.ndarray, colour: np.ndarray,
-    alpha: float = 1.0, scale: float = 1.0,
+    alpha: float = 1.0, scale: float = 1.0, most: int = FACES,
 ) -> Faces:  # fmt: skip
     """Return a solid at its place (3,), turned by a rotation (3, 3), in a colour (3,)."""
-    corners, normal = _mesh(shape)
+    corners, normal = _mesh(shape, most)
     return Faces(
         centre + scale * corners @ turn.T, colour, alpha,
-        None if normal is None else normal @ turn.T,
+        None if normal is None else normal @ turn.T, both=isinstance(shape, situation.Mesh),
     )  # fmt: skip
 
 
@@ -102,7 +103,7 @@ def arrow(length: float, tip: float) -> np.ndarray:
     """Return the faces (n, 4, 3) of an arrow along z, whose point is `tip` below the origin."""
     thin, wide, neck = 0.07 * length, 0.17 * length, -tip - 0.45 * length
     low, high = -tip - length, -tip
-    return _turned(np.array([(0.0, low), (thin, low), (thin, neck), (wide, neck), (0.0, high)]))
+    return turned(np.array([(0.0, low), (thin, low), (thin, neck), (wide, neck), (0.0, high)]))
 
 
 def tube(points: np.ndarray, radius: float, sides: int = 6) -> np.ndarray:
@@ -121,88 +122,49 @@ def tube(points: np.ndarray, radius: float, sides: int = 6) -> np.ndarray:
     return np.stack([a[:, :-1], a[:, 1:], b[:, 1:], b[:, :-1]], axis=2).reshape(-1, 4, 3)
 
 
-def _side(radius: float, half_length: float, tile: float) -> list[tuple[float, float]]:
-    """Points along a long side, so that its faces stay small enough to be sorted by depth."""
-    pieces = max(1, int(np.ceil(2 * half_length / max(radius, 0.75 * tile))))
-    return [(radius, z) for z in np.linspace(-half_length, half_length, pieces + 1)[1:-1]]
-
-
-def _arc(radius: float, half_length: float, tile: float) -> np.ndarray:
+def _arc(radius: float, half_length: float) -> np.ndarray:
     """Profile (k, 2) of a sphere or capsule: distance from the axis, height; from low to high."""
     angle = np.linspace(-np.pi / 2, np.pi / 2, RINGS + 1)
     points = np.stack([radius * np.cos(angle), radius * np.sin(angle)], axis=1)
     lower, upper = points[: RINGS // 2 + 1], points[RINGS // 2 :]
     low, high = lower - (0.0, half_length), upper + (0.0, half_length)
-    if half_length == 0.0:
-        return np.concatenate([low, high[1:]])
-    side = np.array(_side(radius, half_length, tile)).reshape(-1, 2)
-    return np.concatenate([low, side, high])
+    return np.concatenate([low, high[1:] if half_length == 0.0 else high])
 
 
-def _turned(profile: np.ndarray) -> np.ndarray:
-    """Turn a profile (k, 2) about the z axis."""
-    angle = np.linspace(0.0, 2 * np.pi, SIDES + 1)
-    r, z = profile[:, :1], np.broadcast_to(profile[:, 1:], (len(profile), SIDES + 1))
-    rings = np.stack([r * np.cos(angle), r * np.sin(angle), z], axis=-1)
-    a, b = rings[:-1], rings[1:]
-    return np.stack([a[:, :-1], a[:, 1:], b[:, 1:], b[:, :-1]], axis=2).reshape(-1, 4, 3)
-
-
-def _box(half: np.ndarray, tile: float) -> np.ndarray:
-    """Faces of a box, tiled so finely that they can be sorted by depth."""
-    cuts = [np.linspace(-h, h, max(1, int(np.ceil(2 * h / tile))) + 1) for h in half]
+def _box(half: np.ndarray) -> np.ndarray:
+    """Faces of a box."""
     out = []
     for axis in range(3):
         u, v = (axis + 1) % 3, (axis + 2) % 3
         for sign in (-1, 1):
-            for u0, u1 in itertools.pairwise(cuts[u]):
-                for v0, v1 in itertools.pairwise(cuts[v]):
-                    corners = np.full((4, 3), sign * half[axis])
-                    corners[:, u] = (u0, u1, u1, u0)
-                    corners[:, v] = (v0, v0, v1, v1)
-                    out.append(corners[::sign])
+            corners = np.full((4, 3), sign * half[axis])
+            corners[:, u] = half[u] * np.array([-1, 1, 1, -1])
+            corners[:, v] = half[v] * np.array([-1, -1, 1, 1])
+            out.append(corners[::sign])
     return np.array(out)
-
-
-def _octahedra(cloud: Cloud) -> np.ndarray:
-    """Faces of an octahedron about each point of a cloud."""
-    x, y, z = cloud.radius * np.eye(3)
-    ring = [x, y, -x, -y, x]
-    one = [
-        (up, a, b, up) if up is z else (up, b, a, up)
-        for up in (z, -z)
-        for a, b in itertools.pairwise(ring)
-    ]
-    return (cloud.points[:, None, None] + np.array(one)).reshape(-1, 4, 3)
-
-
-def _triangles(mesh: situation.Mesh) -> np.ndarray:
-    """Both sides of the triangles of a mesh."""
-    quads = mesh.corners[:, [0, 1, 2, 2]]
-    return np.concatenate([quads, quads[:, ::-1]])
 
 
 class Mesh(NamedTuple):
     """Functions that draw a shape."""
 
-    faces: Callable[[Any, float], np.ndarray]
+    faces: Callable[[Any], np.ndarray]
     normals: Callable[[Any, np.ndarray], np.ndarray] | None
     has_edges: bool = False
 
 
 MESHES: dict[type, Mesh] = {
-    Box: Mesh(lambda box, tile: _box(np.asarray(box.half_extents), tile), None, has_edges=True),
+    Box: Mesh(lambda box: _box(np.asarray(box.half_extents)), None, has_edges=True),
     Sphere: Mesh(
-        lambda ball, tile: _turned(_arc(ball.radius, 0.0, tile)),
+        lambda ball: turned(_arc(ball.radius, 0.0)),
         lambda ball, corners: _normals_from(0.0, ball.radius, corners),
     ),
     Capsule: Mesh(
-        lambda rod, tile: _turned(_arc(rod.radius, rod.half_length, tile)),
+        lambda rod: turned(_arc(rod.radius, rod.half_length)),
         lambda rod, corners: _normals_from(rod.half_length, rod.radius, corners),
     ),
     Cylinder: Mesh(_cylinder, _cylinder_normals, has_edges=True),
-    Cloud: Mesh(lambda cloud, tile: _octahedra(cloud), None),
-    situation.Mesh: Mesh(lambda mesh, tile: _triangles(mesh), None),
+    Cloud: Mesh(lambda cloud: balls(cloud).start, None),
+    situation.Mesh: Mesh(lambda mesh: mesh.corners[:, [0, 1, 2, 2]], None, has_edges=True),
 }
 """Drawings of solids by shape."""
 

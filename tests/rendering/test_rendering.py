@@ -46,7 +46,7 @@ def case(request):
 
 @pytest.mark.parametrize("shape", SOLIDS, ids=repr)
 def test_normals_of_round_solids_look_out_of_them(shape):
-    corners = solids.faces(shape, np.inf)
+    corners = solids.faces(shape)
     normal = solids.round_normals(shape, corners)
     if isinstance(shape, Box):
         assert normal is None

@@ -35,6 +35,7 @@ WHOLE = 1.8  # [reaches] from the base: obstacles up to there are whole in a fil
 MARGIN = 0.05  # [reaches] about what a film's picture holds
 PLACED: dict[str, Any] = {"marker": "x", "ls": "", "ms": 9, "color": style.GOOD, "mew": 2.2}
 HELD_AS: dict[str, Any] = {"lw": 4.5, "color": style.INK, "zorder": 3.5}
+ABREAST = 7  # entries of a key; more are set in two rows
 EYES = 2.0  # distance of a film's eye, in that of the farthest target
 
 
@@ -293,6 +294,12 @@ def time_bar(ax: Axes, end: float) -> None:
         )  # fmt: skip
 
 
+def cloud_note(situation: rendering.JointSituation, of: int = rendering.FACES) -> str:
+    """Return how many points of clouds are in a picture of so many faces; "" if all are."""
+    drawn, there = rendering.points_drawn(situation.bodies, rendering.faces_each(situation, of))
+    return f"{drawn:,} of {there:,} points drawn" if drawn < there else ""
+
+
 def key_below(figure: Figure, situation: rendering.JointSituation) -> None:
     """Explain the colours below pictures of movements."""
     tint = TIME_COLOURS(0.65)
@@ -305,11 +312,17 @@ def key_below(figure: Figure, situation: rendering.JointSituation) -> None:
     ]
     if any(body.approach for body in situation.bodies):
         handles[2:2] = [Patch(color=rendering.APPROACH, label="approach")]
+    if any(body.margin for body in situation.bodies):
+        handles[-2:-2] = [Patch(color=style.OBSTACLE, alpha=2 * rendering.SHELL, label="margin")]
+    if told := cloud_note(situation):
+        handles[-2:-2] = [Line2D([], [], marker=".", ls="", color=style.OBSTACLE, label=told)]
     if any(body.hold for body in situation.bodies):
         handles.append(Line2D([], [], label="hold", **HELD_AS))
     if any(body.place for body in situation.bodies):
         handles.append(Line2D([], [], label="place", **PLACED))
+    rows = 1 + (len(handles) > ABREAST)
     figure.legend(
-        handles=handles, loc="outside lower center", ncols=len(handles), fontsize=style.SMALL,
-        frameon=False, labelcolor=style.INK, handlelength=1.6, columnspacing=1.4,
+        handles=handles, loc="outside lower center", ncols=-(-len(handles) // rows),
+        fontsize=style.SMALL, frameon=False, labelcolor=style.INK, handlelength=1.6,
+        columnspacing=1.4,
     )  # fmt: skip

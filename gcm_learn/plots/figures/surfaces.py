@@ -9,9 +9,12 @@ from __future__ import annotations
 import itertools
 
 import numpy as np
+from scipy.spatial import cKDTree
 
-from gcm_learn.rendering import normals
+from gcm_learn.rendering import Shell, normals
+from gcm_learn.situation import Cloud, Mesh, SpaceShape
 
+CELLS = 24  # along a surface about a cloud or mesh
 _CORNERS = np.array(list(itertools.product((0, 1), repeat=3)))
 _EDGES = [
     (a, b)
@@ -47,6 +50,38 @@ def surface(field: np.ndarray, level: float = 0.0) -> tuple[np.ndarray, np.ndarr
     np.add.at(sums, quads, flat)
     sums /= np.maximum(np.linalg.norm(sums, axis=1, keepdims=True), 1e-12)
     return corners - 1.0, sums[quads]
+
+
+def surface_about(shape: SpaceShape, distance: float, cells: int = CELLS) -> Shell | None:
+    """Return one surface at a distance from a cloud or mesh; None if it is too near for that."""
+    if not isinstance(shape, Cloud | Mesh):
+        return None
+    radius = shape.radius if isinstance(shape, Cloud) else 0.0
+    corners = shape.points[:, None] if isinstance(shape, Cloud) else shape.corners
+    low, high = corners.min(axis=(0, 1)), corners.max(axis=(0, 1))
+    wide = distance + radius
+    cell = float((high - low + 2 * wide).max()) / cells
+    if wide <= cell:
+        return None
+    tree = cKDTree(_filled(corners, cell))
+    count = np.ceil((high - low + 2 * wide) / cell).astype(int) + 3
+    grid = low - wide - cell + cell * np.moveaxis(np.indices(count), 0, -1)
+    most = wide + 2.0 * cell  # what is farther away need not be known
+    away = tree.query(grid, distance_upper_bound=most)[0]
+    quads = grid[0, 0, 0] + cell * surface(np.minimum(away, most), wide)[0]
+    outward = quads - tree.data[tree.query(quads)[1]]
+    away = np.linalg.norm(outward, axis=-1, keepdims=True)
+    return Shell(quads + (radius / away - 1.0) * outward, outward / away)
+
+
+def _filled(corners: np.ndarray, apart: float) -> np.ndarray:
+    """Return points (n, 3) of triangles (k, 3, 3), or of points (k, 1, 3), that are near others."""
+    while (long := np.ptp(corners, axis=1).max(axis=1) > apart).any():
+        a, b, c = corners[long].transpose(1, 0, 2)
+        d, e, f = 0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)
+        parts = np.array([(a, d, f), (d, b, e), (f, e, c), (d, e, f)])
+        corners = np.concatenate([corners[~long], *parts.transpose(0, 2, 1, 3)])
+    return np.unique(corners.reshape(-1, 3), axis=0)
 
 
 def _points(values: np.ndarray, inside: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,9 +15,10 @@ from gcm_learn.errors import MissingExtraError
 from gcm_learn.maps import CognitiveMap
 from gcm_learn.plots.figures import style
 from gcm_learn.plots.figures.hand_ball import effective_skin, fills_ball
-from gcm_learn.plots.figures.scenery import TIME_COLOURS, Scenery
+from gcm_learn.plots.figures.scenery import TIME_COLOURS, Scenery, cloud_note
+from gcm_learn.plots.figures.surfaces import surface_about
 from gcm_learn.plots.reports.page import fill
-from gcm_learn.situation import Sphere
+from gcm_learn.situation import Body, Sphere
 
 if TYPE_CHECKING:
     from gcm_learn.motion import Movement
@@ -32,6 +34,11 @@ KEY = tuple(entry for entry in style.KEY if entry[1] in ("arm", "obstacle", "tar
 MISSED = "#a8a2b8"
 NOT_CAUGHT = ((MISSED, "target that is not caught"),)
 APPROACHED = ((rendering.APPROACH, "approach of a target"),)
+WITH_MARGIN = ((rendering.OBSTACLE + "4d", "margin"),)
+HELD, PLACED = ((style.INK, "hold"),), ((style.GOOD, "place"),)
+FACES = rendering.FACES // 2  # of all clouds on the page, and of all margins
+CELLS = 8, 24  # fewest and most along a surface about a cloud or mesh
+LEVELS = 4  # distances for which surfaces about clouds and meshes are made
 IN_HANDS = ((style.EFFECTIVE, "effective obstacle, in hand-space"),)
 
 
@@ -59,6 +66,8 @@ def write_film_page(situation: rendering.JointSituation, plan: Plan, path: str |
     """
     path = Path(path)
     ending = "the catch" if plan.caught else "the horizon"
+    if plan.trajectory is not None and plan.trajectory.duration > (plan.catch_time or np.inf):
+        ending = "the end"
     data = page_data(situation, plan)
     told = {
         "title": situation.name,
@@ -77,9 +86,12 @@ def _key(situation: rendering.JointSituation, data: dict[str, Any]) -> tuple[tup
     """Return colours and what they mean."""
     approached = any(bool(body.approach) for body in situation.bodies)
     missed = any(solid["colour"] == MISSED for solid in data["solids"])
-    return (
-        KEY + missed * NOT_CAUGHT + approached * APPROACHED + (data["hands"] is not None) * IN_HANDS
-    )
+    wide = any(body.margin is not None for body in situation.bodies)
+    held, placed = ([t for t in situation.targets if getattr(t, of)] for of in ("hold", "place"))
+    told = cloud_note(situation, FACES)
+    key = KEY + missed * NOT_CAUGHT + approached * APPROACHED + wide * WITH_MARGIN
+    key += bool(held) * HELD + bool(placed) * PLACED + (data["hands"] is not None) * IN_HANDS
+    return key + bool(told) * ((rendering.OBSTACLE, told),)
 
 
 def plotly_script() -> str:
@@ -98,7 +110,8 @@ def page_data(situation: rendering.JointSituation, plan: Plan) -> dict[str, Any]
     Returns
     -------
     dict
-        ``times`` (k,) [s], ``solids``, ``ways``, ``catches``, ``box`` (3, 2) of the shown world,
+        ``times`` (k,) [s], ``solids``, ``ways``, ``catches``, ``held`` (k,) names of what the hand
+        holds, ``box`` (3, 2) of the shown world,
         ``zoom`` (k,), ``eye`` in units of the box's longest side, and ``hands``.
 
     Notes
@@ -108,6 +121,8 @@ def page_data(situation: rendering.JointSituation, plan: Plan) -> dict[str, Any]
 
     A solid has corners (n, 3), triangles (m, 3), centre (k, 3) and turn (k, 9), row by row.  Its
     ``hands`` says that it is seen in hand-space, too. It is gone after ``until`` [s].
+    A margin has ``levels`` instead, whose corners go ``outward`` (n, 3) by ``wide`` (k,), and the
+    index of its ``level`` at each time.
 
     Catches are listed where several are wanted, with name, time [s] and place (3,).
     """
@@ -121,12 +136,13 @@ def page_data(situation: rendering.JointSituation, plan: Plan) -> dict[str, Any]
     return {
         "times": _short(times),
         "solids": solids,
-        "ways": [] if moves is None else list(_ways(situation, moves)),
+        "ways": [] if moves is None else [*_ways(situation, moves), *_holds(plan, moves)],
         "catches": [
             {"name": n, "time": round(c["time"], DIGITS), "place": _short(moves.hand_at(c["time"]))}
             for n, c in (caught or {}).items()
             if moves is not None
         ],
+        "held": [_held(plan, t) for t in times],
         "box": box.tolist(),
         "zoom": _short(_zoom(scenery.way, times, box)),
         "eye": dict(zip("xyz", _eye(scenery, box).tolist(), strict=True)),
@@ -180,21 +196,42 @@ def _bodies(
         if caught is not None and body.name in caught:
             seen["until"] = max(t for key, t in caught[body.name].items() if key != "body")
         flat = rendering.has_edges(body.shape)  # type: ignore[arg-type]
-        corners = rendering.drawn_scale(situation, body) * rendering.faces(body.shape, np.inf)  # type: ignore[arg-type]
+        most = rendering.faces_each(situation, FACES)
+        corners = rendering.faces(body.shape, most)  # type: ignore[arg-type]
+        corners = rendering.drawn_scale(situation, body) * corners
         poses = (centres[:, k], turns[:, k])
         level = ground is not None and body is ground.body
         colour = GROUND if level else MISSED if missed else rendering.body_colour(body)
         out.append(_solid(corners, body.name, colour, *poses, flat=flat) | seen)
+        if body.margin is not None and not level:
+            out.append(_margin(body, rendering.margin_at(body, times), most, poses))
         if body.approach:
             arrow, name = rendering.approach_corners(situation, body), f"approach of {body.name}"
             out.append(_solid(arrow, name, rendering.APPROACH, *poses, flat=True) | seen)
         if body.place is not None:
-            ball, name = rendering.faces(Sphere(body.place.within), np.inf), "place of " + body.name
+            ball, name = rendering.faces(Sphere(body.place.within)), "place of " + body.name
             there = np.tile(body.place.position, (len(times), 1))
             upright = np.broadcast_to(np.eye(3), (len(times), 3, 3))
             place = _solid(ball, name, style.GOOD, there, upright)
             out.append(place | {"opacity": 0.4, "hands": False})
     return out
+
+
+def _margin(
+    body: Body, wide: np.ndarray, most: int, poses: tuple[np.ndarray, np.ndarray]
+) -> dict[str, Any]:
+    """Return a margin (k,) [lengths] about a body: surfaces at a few distances, which move out."""
+    at = np.unique(np.linspace(wide[0], wide[-1], LEVELS))
+    levels, cells = [], int(np.clip(np.sqrt(most / 12), *CELLS))
+    for distance in at.tolist():
+        about = surface_about(body.shape, distance, cells) or rendering.shell(body.shape, most)  # type: ignore[arg-type]
+        corners, triangles, _ = _welded(np.concatenate(about, axis=2))
+        start, outward = _short(corners[:, :3]), _short(corners[:, 3:])
+        levels.append({"corners": start, "outward": outward, "triangles": triangles.tolist()})
+    nearest = np.abs(wide[:, None] - at).argmin(axis=1).tolist()
+    solid = _solid(np.empty((0, 4, 3)), f"margin of {body.name}", rendering.OBSTACLE, *poses)
+    margin = {"levels": levels, "level": nearest, "wide": _short(wide), "hands": False}
+    return solid | margin | {"opacity": rendering.SHELL}
 
 
 def _limb(
@@ -207,13 +244,11 @@ def _limb(
     for i, radius in enumerate(limb.radii):
         a, b = limb.ends[:, i, 0], limb.ends[:, i, 1]
         turns = np.array([rendering.bone_pose(*ends)[0] for ends in limb.ends[:, i]])
-        link = rendering.faces(
-            rendering.bone_shape(radius, rendering.bone_pose(a[0], b[0])[1]), np.inf
-        )
+        link = rendering.faces(rendering.bone_shape(radius, rendering.bone_pose(a[0], b[0])[1]))
         out.append(_solid(link, f"link {i}", style.ARM, 0.5 * (a + b), turns))
     upright = np.broadcast_to(np.eye(3), (len(times), 3, 3))
     for ball in rendering.balls_of(limb):
-        corners = rendering.faces(Sphere(ball.radius), np.inf)
+        corners = rendering.faces(Sphere(ball.radius))
         out.append(_solid(corners, ball.name, ball.colour, ball.places, upright))
     return [solid | {"hands": solid["name"] == "hand"} for solid in out]
 
@@ -257,25 +292,44 @@ def _solid(
 
 def _welded(quads: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return corners (n, 3) and triangles (m, 3) of faces (k, 4, 3), and whose (m,)."""
-    corners, index = np.unique(np.round(quads.reshape(-1, 3), 9), axis=0, return_inverse=True)
+    rows = np.round(quads.reshape(-1, quads.shape[2]), 9)
+    corners, index = np.unique(rows, axis=0, return_inverse=True)
     four = index.reshape(-1, 4)
     triangles = np.concatenate([four[:, [0, 1, 2]], four[:, [0, 2, 3]]])
     real = (np.diff(np.sort(triangles, axis=1), axis=1) > 0).all(axis=1)
     return corners, triangles[real], np.tile(np.arange(len(quads)), 2)[real]
 
 
-def _ways(situation: rendering.JointSituation, moves: Movement) -> list[dict[str, Any]]:
-    """Return the paths of hand and targets, coloured by time."""
+def _ways(situation: rendering.JointSituation, moves: Movement) -> Iterator[dict[str, Any]]:
+    """Yield the paths of hand and targets, coloured by time."""
     times = np.linspace(0.0, moves.duration, 2 * FRAMES)
     colours = [to_hex(c) for c in TIME_COLOURS(np.linspace(0.0, 1.0, len(times)))]
     targets = zip(situation.targets, rendering.target_paths(situation, times), strict=True)
-    paths = [("hand's path", moves.hand_at(times), False)]
-    paths += [(f"path of {body.name}", path, True) for body, path in targets]
-    return [
-        {"name": name, "colours": colours, "dashed": dashed,
-         **{axis: _short(path[:, k]) for k, axis in enumerate("xyz")}}
-        for name, path, dashed in paths
-    ]  # fmt: skip
+    yield _way("hand's path", moves.hand_at(times), colours)
+    for body, path in targets:
+        yield _way(f"path of {body.name}", path, colours, width=4, dash="dash")
+
+
+def _holds(plan: Plan, moves: Movement) -> Iterator[dict[str, Any]]:
+    """Yield the parts of the hand's path on which it holds a target."""
+    for one in plan.catches:
+        if "held_until" in one:
+            path = moves.hand_at(np.linspace(one["time"], one["held_until"], FRAMES))
+            yield _way(f"hold of {one['body']}", path, style.INK, width=12)
+
+
+def _held(plan: Plan, t: float) -> str:
+    """Return the name of the target that is held at time t [s], or ""."""
+    holds = (one for one in plan.catches if one["time"] <= t <= one.get("held_until", -1.0))
+    return next((str(one["body"]) for one in holds), "")
+
+
+def _way(
+    name: str, path: np.ndarray, colours: Any, width: int = 6, dash: str = "solid"
+) -> dict[str, Any]:
+    """Return a path (k, 3) as a line."""
+    axes = {axis: _short(path[:, k]) for k, axis in enumerate("xyz")}
+    return {"name": name, "line": {"color": colours, "width": width, "dash": dash}, **axes}
 
 
 def _short(values: np.ndarray) -> list[Any]:

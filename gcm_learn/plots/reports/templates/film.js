@@ -5,11 +5,16 @@ const data = JSON.parse(document.getElementById("data").textContent);
 const scene = document.getElementById("scene"), slider = document.getElementById("time");
 const play = document.getElementById("play"), now = document.getElementById("now");
 
-// Corners of a solid at time k: columns of x, y and z.  What is gone shrinks to a point.
+// A margin has other corners and triangles for small distances than for large ones.
+const surfaceOf = (solid, k) => (solid.levels ? solid.levels[solid.level[k]] : solid);
+
+// Corners of a solid at time k: columns of x, y and z.  What is gone shrinks to a point; margins grow.
 function placed(solid, k) {
   const [px, py, pz] = solid.centre[k], out = { x: [], y: [], z: [] };
   const r = data.times[k] > solid.until ? Array(9).fill(0) : solid.turn[k];
-  for (const [a, b, c] of solid.corners) {
+  const { corners, outward } = surfaceOf(solid, k);
+  for (const [m, at] of corners.entries()) {
+    const [a, b, c] = outward ? at.map((x, n) => x + solid.wide[k] * outward[m][n]) : at;
     out.x.push(px + r[0] * a + r[1] * b + r[2] * c);
     out.y.push(py + r[3] * a + r[4] * b + r[5] * c);
     out.z.push(pz + r[6] * a + r[7] * b + r[8] * c);
@@ -24,13 +29,14 @@ function sides(triangles) {
 
 const look = {
   type: "mesh3d", hoverinfo: "name",
-  lighting: { ambient: 0.65, diffuse: 0.5, specular: 0.12, roughness: 0.7, fresnel: 0.05 },
+  lighting: { ambient: 0.65, diffuse: 0.5, specular: 0.12, roughness: 0.7, fresnel: 0.05,
+    vertexnormalsepsilon: 0, facenormalsepsilon: 0 },
   lightposition: { x: 1e4, y: -6e3, z: 2e4 },
 };
 
 function mesh(solid) {
   return {
-    ...look, ...placed(solid, 0), ...sides(solid.triangles), color: solid.colour, name: solid.name,
+    ...look, ...placed(solid, 0), ...sides(surfaceOf(solid, 0).triangles), color: solid.colour, name: solid.name,
     flatshading: solid.flat, opacity: solid.opacity,
   };
 }
@@ -48,7 +54,7 @@ function skin(hands) {
 function line(way) {
   return {
     type: "scatter3d", mode: "lines", x: way.x, y: way.y, z: way.z, name: way.name,
-    hoverinfo: "name", line: { width: way.dashed ? 4 : 6, dash: way.dashed ? "dash" : "solid", color: way.colours },
+    hoverinfo: "name", line: way.line,
   };
 }
 
@@ -104,13 +110,16 @@ function frame(box, zoom) {
 function show(k) {
   if (!inHands() && data.zoom[k] !== framed) frame(data.box, data.zoom[k]);
   const at = data.solids.map((solid) => placed(solid, k));
-  Plotly.restyle(scene, { x: at.map((p) => p.x), y: at.map((p) => p.y), z: at.map((p) => p.z) }, all);
+  const parts = data.solids.map((solid) => sides(surfaceOf(solid, k).triangles));
+  const of = (things, column) => things.map((thing) => thing[column]);
+  Plotly.restyle(scene, { x: of(at, "x"), y: of(at, "y"), z: of(at, "z"),
+    i: of(parts, "i"), j: of(parts, "j"), k: of(parts, "k") }, all);
   if (inHands()) {
     const { i, j, k: third } = grown(k);
     Plotly.restyle(scene, { i: [i], j: [j], k: [third] }, [all.length + lines.length]);
   }
   const count = data.catches.filter((caught) => caught.time <= data.times[k] + 1e-4).length;
-  const ending = k === data.times.length - 1 ? data.ending : "";
+  const ending = data.held[k] ? `: holds ${data.held[k]}` : k === data.times.length - 1 ? data.ending : "";
   now.textContent = `t = ${data.times[k].toFixed(2)} s` + (data.catches.length ? `: ${count} caught` : ending);
 }
 
