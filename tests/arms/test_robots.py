@@ -359,6 +359,33 @@ def test_the_how_to_runs(elbow, tmp_path, monkeypatch, capsys):
 
 
 @pytest.mark.slow
+def test_the_way_from_a_measured_room_to_a_trajectory(elbow, tmp_path, monkeypatch, rng):
+    """The commands of docs/world.md, among points on a ball and on a wall."""
+    page = Path(__file__).parents[2] / "docs" / "world.md"
+    text = page.read_text("utf-8")
+    scene, *_ = re.findall(r"^```json\n(.*?)^```", text, re.M | re.S)
+    commands, *_ = re.findall(r"^```bash\n(.*?)^```", text, re.M | re.S)
+    monkeypatch.chdir(tmp_path)
+    Path("scene.json").write_text(scene, "utf-8")
+    ball = rng.normal(size=(3000, 3))
+    ball = 0.1 * ball / np.linalg.norm(ball, axis=1)[:, None] + (0.7, 0.3, 0.2)
+    wall = rng.uniform((0.9, -1.0, 0.0), (0.91, 1.0, 1.0), (3000, 3))
+    head = "ply\nformat ascii 1.0\nelement vertex 6000\n"
+    head += "".join(f"property float {axis}\n" for axis in "xyz") + "end_header\n"
+    rows = (" ".join(map(str, row)) for row in np.concatenate([ball, wall]))
+    Path("room.ply").write_text(head + "\n".join(rows) + "\n", "utf-8")
+    for command in commands.replace("robot.urdf", str(elbow)).splitlines():
+        assert main(command.split()[1:]) == 0
+    (situation,) = read_situations("room.jsonl")
+    (room,) = (body for body in situation.bodies if body.role == "obstacle")
+    assert room.shape.kind == "cloud" and len(room.shape.points) < 3000
+    answer = json.loads(Path("answer.jsonl").read_text("utf-8"))
+    assert answer["status"] == "caught"
+    assert not examine(situation_to_json(situation), answer).complaints
+    assert Path("moves/room.yaml").is_file()
+
+
+@pytest.mark.slow
 def test_the_pick_of_the_how_to_is_placed_and_runs_at_a_kilohertz(tmp_path, monkeypatch):
     page = Path(__file__).parents[2] / "docs" / "robots.md"
     (scene,) = re.findall(r"^```json\n(.*?)^```", page.read_text("utf-8"), re.M | re.S)
