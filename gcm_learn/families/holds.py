@@ -41,7 +41,7 @@ class Holds(Ranges):
         def asked(body: Body) -> Body:
             if body.role == "target":
                 return replace(body, hold=hold)
-            return replace(body, margin=margin) if moves(body) else body
+            return replace(body, margin=margin) if margin is not None and moves(body) else body
 
         rests = with_end(situation, "rest")
         return replace(rests, bodies=tuple(map(asked, situation.bodies)))  # type: ignore[return-value]

@@ -246,7 +246,8 @@ def test_another_arm_is_another_structure():
 
 def test_the_specification_for_pandas_has_all_families():
     spec = read_spec(DATA / "specs" / "panda.toml")
-    assert {share.family for share in spec.families} == set(family_names("chain"))
+    later = {"person-chain"}  # the dataset and the models that it trained are older
+    assert {share.family for share in spec.families} == set(family_names("chain")) - later
     assert spec.kind.name == "chain" and spec.planners == ("straight", "search")
 
 

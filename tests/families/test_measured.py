@@ -43,8 +43,8 @@ def test_obstacles_are_measured_but_for_the_floor(preset, shape):
 
 
 def test_persons_have_margins_that_grow():
-    for k in range(4):
-        situation = draw("panda-person", 4, k)
-        persons = [body for body in situation.obstacles if body.name.startswith("person")]
-        assert all(body.margin.rate > 0.0 and any(body.motion.velocity) for body in persons)
-        assert situation.targets[0].hold is not None
+    drawn = [draw("panda-person", 4, k) for k in range(8)]
+    persons = [b for s in drawn for b in s.obstacles if b.name.startswith("person")]
+    assert len(persons) >= 4
+    assert all(body.margin.rate > 0.0 and any(body.motion.velocity) for body in persons)
+    assert all(situation.targets[0].hold is not None for situation in drawn)

@@ -133,7 +133,7 @@ class PersonChain(ChainFamily):
     name = "person-chain"
     summary = "a part on a stand, and persons who walk past, with margins that grow"
 
-    persons: Counts = counts(1, 2, 1)
+    persons: Counts = counts(2, 3, 1)
     """Number of persons."""
     walk: Range = span(0.4, 1.5)
     """Their speed [reaches/s]."""
