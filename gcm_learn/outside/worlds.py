@@ -67,11 +67,16 @@ class World:
     def _shape(self, source: Path, result: Converted) -> Cloud | Mesh:
         read = CLOUDS.get(source.suffix.lower())
         try:
-            points, triangles = (read(source), ()) if read else referee.read_surface(source)
+            none = np.zeros((0, 3), dtype=int)
+            points, triangles = (read(source), none) if read else referee.read_surface(source)
         except referee.Unreadable as error:
             raise FileFormatError(f"{source}: {error}") from None
+        scale = positive(self.scale, "scale")
         if len(triangles):
-            return situation.read_mesh(source, self.scale)
+            try:
+                return Mesh(points * scale, triangles)
+            except SituationError as error:
+                raise FileFormatError(f"{source}: {error}") from None
         measured = np.isfinite(points).all(axis=1)
         if not measured.any():
             raise FileFormatError(f"{source}: has no points")
@@ -80,7 +85,7 @@ class World:
             result.counts[told], result.asked[told] = int((~measured).sum()), len(points)
         if self.radius is None:
             raise SituationError("radius", f"is missing: {source} is a cloud of points")
-        return Cloud(points[measured] * positive(self.scale, "scale"), self.radius)
+        return Cloud(points[measured] * scale, self.radius)
 
     def _simpler(self, body: Body, result: Converted) -> Body:
         """Return an obstacle of fewer numbers that keeps all away from what it was."""

@@ -34,17 +34,15 @@ def faces(shape: SpaceShape, most: int = FACES) -> np.ndarray:
     (n, 4, 3) ndarray
         Quadrilaterals, counter-clockwise when seen from outside; those of a mesh as they come.
     """
-    if isinstance(shape, Cloud):
-        return balls(shape, most).start
     if type(shape) not in MESHES:
         raise TypeError(f"not a solid shape: {shape!r}")
-    return MESHES[type(shape)].faces(shape)
+    return MESHES[type(shape)].faces(shape, most)
 
 
-def round_normals(shape: SpaceShape, corners: np.ndarray) -> np.ndarray | None:
+def round_normals(shape: SpaceShape, corners: np.ndarray, most: int = FACES) -> np.ndarray | None:
     """Unit normals (n, 4, 3) at the corners of a solid's `faces`; None for flat faces."""
     rounded = MESHES[type(shape)].normals
-    return None if rounded is None else rounded(shape, corners)
+    return None if rounded is None else rounded(shape, corners, most)
 
 
 def has_edges(shape: SpaceShape) -> bool:
@@ -52,12 +50,12 @@ def has_edges(shape: SpaceShape) -> bool:
     return MESHES[type(shape)].has_edges
 
 
-def _cylinder(shape: Cylinder) -> np.ndarray:
+def _cylinder(shape: Cylinder, most: int) -> np.ndarray:
     r, h = shape.radius, shape.half_length
     return turned(np.array([(0.0, -h), (r, -h), (r, h), (0.0, h)]))
 
 
-def _cylinder_normals(shape: Cylinder, corners: np.ndarray) -> np.ndarray:
+def _cylinder_normals(shape: Cylinder, corners: np.ndarray, most: int) -> np.ndarray:
     flat = normals(corners)
     side = np.abs(flat[:, 2]) < 0.5
     axial = corners * (1.0, 1.0, 0.0) / shape.radius
@@ -74,10 +72,8 @@ def _normals_from(half: float, radius: float, corners: np.ndarray) -> np.ndarray
 
 @lru_cache(maxsize=256)
 def _mesh(shape: SpaceShape, most: int) -> tuple[np.ndarray, np.ndarray | None]:
-    if isinstance(shape, Cloud):
-        return balls(shape, most)
-    corners = faces(shape)
-    return corners, round_normals(shape, corners)
+    corners = faces(shape, most)
+    return corners, round_normals(shape, corners, most)
 
 
 def placed(
@@ -145,26 +141,29 @@ def _box(half: np.ndarray) -> np.ndarray:
 
 
 class Mesh(NamedTuple):
-    """Functions that draw a shape."""
+    """Functions that draw a shape, a cloud with at most so many faces."""
 
-    faces: Callable[[Any], np.ndarray]
-    normals: Callable[[Any, np.ndarray], np.ndarray] | None
+    faces: Callable[[Any, int], np.ndarray]
+    normals: Callable[[Any, np.ndarray, int], np.ndarray] | None
     has_edges: bool = False
 
 
 MESHES: dict[type, Mesh] = {
-    Box: Mesh(lambda box: _box(np.asarray(box.half_extents)), None, has_edges=True),
+    Box: Mesh(lambda box, most: _box(np.asarray(box.half_extents)), None, has_edges=True),
     Sphere: Mesh(
-        lambda ball: turned(_arc(ball.radius, 0.0)),
-        lambda ball, corners: _normals_from(0.0, ball.radius, corners),
+        lambda ball, most: turned(_arc(ball.radius, 0.0)),
+        lambda ball, corners, most: _normals_from(0.0, ball.radius, corners),
     ),
     Capsule: Mesh(
-        lambda rod: turned(_arc(rod.radius, rod.half_length)),
-        lambda rod, corners: _normals_from(rod.half_length, rod.radius, corners),
+        lambda rod, most: turned(_arc(rod.radius, rod.half_length)),
+        lambda rod, corners, most: _normals_from(rod.half_length, rod.radius, corners),
     ),
     Cylinder: Mesh(_cylinder, _cylinder_normals, has_edges=True),
-    Cloud: Mesh(lambda cloud: balls(cloud).start, None),
-    situation.Mesh: Mesh(lambda mesh: mesh.corners[:, [0, 1, 2, 2]], None, has_edges=True),
+    Cloud: Mesh(
+        lambda cloud, most: balls(cloud, most).start,
+        lambda cloud, corners, most: balls(cloud, most).outward,
+    ),
+    situation.Mesh: Mesh(lambda mesh, most: mesh.corners[:, [0, 1, 2, 2]], None, has_edges=True),
 }
 """Drawings of solids by shape."""
 

@@ -92,7 +92,6 @@ from gcm_learn.situation.spatial_frame import (
 )
 from gcm_learn.situation.surface_files import (
     read_mesh as read_mesh,
-    read_points as read_points,
 )
 from gcm_learn.situation.surfaces import (
     SURFACES as SURFACES,

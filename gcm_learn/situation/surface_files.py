@@ -7,8 +7,6 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from gcm_learn import referee
 from gcm_learn.checks import positive, quote, text
 from gcm_learn.errors import SituationError
@@ -35,18 +33,6 @@ def read_mesh(path: str | Path, scale: float = 1.0) -> Mesh:
     return Mesh(vertices * positive(scale, "scale"), triangles)
 
 
-def read_points(path: str | Path) -> np.ndarray:
-    """Read the points (n, 3) of a ``.npy`` file of float32 or float64, without pickles.
-
-    Raises
-    ------
-    SituationError
-        In one line.
-    """
-    points: np.ndarray = _read(referee.read_points, Path(path))
-    return points
-
-
 def with_files(members: dict[str, Any], path: str, folder: Path) -> dict[str, Any]:
     """Return the members of a cloud or mesh with numbers in place of the names of files.
 
@@ -59,14 +45,14 @@ def with_files(members: dict[str, Any], path: str, folder: Path) -> dict[str, An
     folder : Path
         Folder to which paths are relative.
     """
-    result = dict(members)
     if members["kind"] == Cloud.kind and isinstance(members.get("points"), str):
-        return result | {"points": _once(referee.read_points, members, "points", path, folder)}
+        return members | {"points": _once(referee.read_points, members, "points", path, folder)}
     if members["kind"] != Mesh.kind or "file" not in members:
-        return result
+        return members
     for name in ("vertices", "triangles"):
         if name in members:
             raise SituationError(f"{path}.file", f"is given beside {name}")
+    result = dict(members)
     try:
         text(result.pop("file"), "file")
         scale = positive(result.pop("scale", 1.0), "scale")

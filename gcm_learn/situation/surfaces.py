@@ -165,9 +165,9 @@ def _clustered(points: np.ndarray, cell: float) -> tuple[np.ndarray, np.ndarray]
     """Return the means (m, 3) of points (n, 3) by cubes, and the cube (n,) of each."""
     cell = positive(cell, "cell")
     _, cube = np.unique(np.floor(points / cell), axis=0, return_inverse=True)
-    cube, counts = cube.reshape(-1), np.bincount(cube.reshape(-1))
+    cube = cube.reshape(-1)  # a column in some versions of numpy
     sums = np.stack([np.bincount(cube, weights=column) for column in points.T], axis=1)
-    return sums / counts[:, None], cube
+    return sums / np.bincount(cube)[:, None], cube
 
 
 def _triples(value: Any, field: str, content: str, of: type = float) -> np.ndarray:
