@@ -120,7 +120,8 @@ class ParametricFamily:
     def parameters_of(self, situation: AnySituation) -> np.ndarray | None:
         """Return the parameters (K,) of a situation; None if it is of another family."""
         middle, bodies = self.middle, situation.bodies
-        if situation.arm != middle.arm or situation.horizon < middle.horizon - SAME:
+        last = situation.horizon if situation.end_by is None else situation.end_by
+        if situation.arm != middle.arm or min(last, situation.horizon) < middle.horizon - SAME:
             return None
         if situation.catch != middle.catch or situation.plane != middle.plane:
             return None
@@ -168,7 +169,7 @@ def _unchanged(body: Body) -> tuple[Any, ...]:
         turns = (motion.angle, motion.spin)
     elif isinstance(motion, SolidQuadratic):
         turns = (motion.orientation, motion.spin)
-    return body.role, body.shape, body.approach, type(motion), turns
+    return body.role, body.shape, body.approach, body.margin, type(motion), turns
 
 
 HORIZON = 1.6  # [s]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import pickle
 from dataclasses import replace
 
@@ -10,11 +11,13 @@ import pytest
 
 from gcm_learn import artifacts, families
 from gcm_learn.arms import CHAIN, PLANAR, SPATIAL, kind_of
-from gcm_learn.cover import Cover, CoveredPlanner, covered, parametric_family
+from gcm_learn.cover import Cover, CoveredPlanner, broken_of, covered, parametric_family
 from gcm_learn.errors import CoverError
 from gcm_learn.motion import Failure, rules_of, verify
 from gcm_learn.planners import get_planner, plan_to_json, solve, takes
+from gcm_learn.referee import judge
 from gcm_learn.scene import pack
+from gcm_learn.situation import Margin, situation_to_json
 
 
 def drawn(cover, seed=0):
@@ -76,6 +79,21 @@ def test_other_situations_are_not_covered(cover, change, reason):
     plan = CoveredPlanner((cover,)).plan(change(cover.family.middle))
     assert plan.status == "unreachable" and plan.failure is Failure.NO_MEMORY
     assert plan.message == f"not covered: {reason}"
+
+
+def test_clouds_meshes_and_margins_are_proven(measured):
+    """The referee finds no fault; other margins and an earlier end are other situations."""
+    planner, caught = CoveredPlanner((measured,)), 0
+    for seed in range(20):
+        _, situation = drawn(measured, seed)
+        answer = json.loads(json.dumps(plan_to_json(planner.plan(situation))))
+        assert judge(situation_to_json(situation), answer) == []
+        caught += answer["status"] == "caught"
+        wider = [replace(b, margin=b.margin and Margin(0.2, 0.0)) for b in situation.bodies]
+        assert not planner.plan(replace(situation, bodies=tuple(wider))).caught
+        assert not planner.plan(replace(situation, end_by=0.1)).caught
+    assert caught >= 10
+    assert measured.share > 0.5 and broken_of(measured, 100, 0) == (0, 100)
 
 
 def test_a_body_off_its_law_is_not_covered(cover):
