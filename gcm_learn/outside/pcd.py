@@ -10,6 +10,9 @@ import numpy as np
 from gcm_learn.checks import quote
 from gcm_learn.errors import FileFormatError
 
+UNMOVED = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]
+"""Place and turn of the sensor by which points are where they are written."""
+
 
 def read_pcd(path: Path) -> np.ndarray:
     """Return the points (n, 3) of a file, of which some may not be finite.
@@ -33,6 +36,9 @@ def _points(content: bytes) -> np.ndarray:
         raise ValueError(f"DATA: must be ascii, binary or binary_compressed (got {quote(form)})")
     if not points.isdecimal() or int(points) == 0:
         raise ValueError(f"POINTS: must be a number above 0 (got {quote(points)})")
+    if list(map(float, head.get("VIEWPOINT", UNMOVED))) != UNMOVED:
+        given = quote(" ".join(head["VIEWPOINT"]))
+        raise ValueError(f"VIEWPOINT: must be 0 0 0 1 0 0 0, a pose is given apart (got {given})")
     count, packed = int(points), form == "binary_compressed"
     axes, words, width = _layout(head, packed)
     if form == "ascii":

@@ -57,6 +57,8 @@ class World:
         turn: Any = normalised(self.turn, "turn", 4)
         read = SCENES.get(source.suffix.lower())
         if read:
+            if self.scale != 1.0:
+                raise SituationError("scale", f"is for clouds and meshes ({source} is in metres)")
             ((name, text),) = texts(source, ".*")
             bodies = bodies_of(read(name, text), Pose(np.array(place), rotation_of(turn)))
         else:

@@ -258,12 +258,12 @@ def _verdicts(
     for place, read_from in asked:
         try:
             situation = inlined(read_from, folder)
-            checked(situation)
             name = str(situation.get("name", ""))
             given = answers.pop(name, [])
             if len(given) == 1:
                 yield judge(situation, given[0], models_of(situation, folder), end)
             else:
+                checked(situation)
                 what = f"has {len(given)} answers" if given else "has no answer"
                 yield [Complaint("name", what, name=name)]
         except Unreadable as error:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import lru_cache, wraps
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,21 @@ PLY = {
     "float": "f4", "float32": "f4", "double": "f8", "float64": "f8",
 }  # fmt: skip
 """Types of numbers in PLY files."""
+
+
+def _once(read: Callable[[Path], Any]) -> Callable[[Path], Any]:
+    """Return a reader that keeps what it read last, while files do not change."""
+    again = lru_cache(maxsize=32)(lambda path, stamp: read(path))
+
+    @wraps(read)
+    def reader(path: Path) -> Any:
+        try:
+            about = path.stat()
+        except (OSError, ValueError):
+            return read(path)
+        return again(path, (about.st_mtime_ns, about.st_size))
+
+    return reader
 
 
 def inlined(situation: Mapping[str, Any], folder: Path) -> Mapping[str, Any]:
@@ -54,6 +70,7 @@ def _body(body: Any, folder: Path) -> Any:
     return {**body, "shape": {**rest, **made}}
 
 
+@_once
 def read_points(path: Path) -> Array:
     """Return the points (n, 3) of a ``.npy`` file of float32 or float64.
 
@@ -75,6 +92,7 @@ def read_points(path: Path) -> Array:
     return made.astype(float)
 
 
+@_once
 def read_mesh(path: Path) -> tuple[Array, Array]:
     """Return vertices (v, 3) and triangles (t, 3) of all objects of a file.
 

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
 from gcm_learn import referee
 from gcm_learn.checks import positive, quote, text
 from gcm_learn.errors import SituationError
-from gcm_learn.situation.arm_files import stamp_of
 from gcm_learn.situation.surfaces import Cloud, Mesh
 
 
@@ -29,7 +27,7 @@ def read_mesh(path: str | Path, scale: float = 1.0) -> Mesh:
     SituationError
         In one line.
     """
-    vertices, triangles = _read(referee.read_mesh, Path(path))
+    vertices, triangles = _read(referee.read_mesh, Path(path), "")
     return Mesh(vertices * positive(scale, "scale"), triangles)
 
 
@@ -46,7 +44,8 @@ def with_files(members: dict[str, Any], path: str, folder: Path) -> dict[str, An
         Folder to which paths are relative.
     """
     if members["kind"] == Cloud.kind and isinstance(members.get("points"), str):
-        return members | {"points": _once(referee.read_points, members, "points", path, folder)}
+        points = _read(referee.read_points, folder / members["points"], f"{path}.points")
+        return members | {"points": points}
     if members["kind"] != Mesh.kind or "file" not in members:
         return members
     for name in ("vertices", "triangles"):
@@ -58,29 +57,12 @@ def with_files(members: dict[str, Any], path: str, folder: Path) -> dict[str, An
         scale = positive(result.pop("scale", 1.0), "scale")
     except SituationError as error:
         raise SituationError(f"{path}.{error.field}", error.reason) from None
-    vertices, triangles = _once(referee.read_mesh, members, "file", path, folder)
+    vertices, triangles = _read(referee.read_mesh, folder / members["file"], f"{path}.file")
     return result | {"vertices": vertices * scale, "triangles": triangles}
 
 
-Reader = Callable[[Path], Any]
-
-
-def _once(read: Reader, members: dict[str, Any], name: str, path: str, folder: Path) -> Any:
-    """Read a file that many situations name, once; errors name the field."""
-    file = folder / members[name]
-    try:
-        return _unchanged(read, file, stamp_of(file))
-    except SituationError as error:
-        raise SituationError(f"{path}.{name}", error.reason) from None
-
-
-@lru_cache(maxsize=32)
-def _unchanged(read: Reader, file: Path, stamp: tuple[int, int]) -> Any:
-    return _read(read, file)
-
-
-def _read(read: Reader, path: Path) -> Any:
+def _read(read: Callable[[Path], Any], path: Path, field: str) -> Any:
     try:
         return read(path)
     except referee.Unreadable as error:
-        raise SituationError("", f"{quote(path.name)} {error}") from None
+        raise SituationError(field, f"{quote(path.name)} {error}") from None

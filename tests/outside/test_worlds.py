@@ -41,7 +41,8 @@ def pcd(form="binary", size=4, head=None, cut=None):
     else:
         data = packed(b"".join(column.tobytes() for column in (colour, x, y, z)))
     given = head or "FIELDS rgb x y _ z\nSIZE 4 {0} {0} 1 {0}\nTYPE U F F U F\nCOUNT 1 1 1 3 1\n"
-    text = f"# .PCD v0.7\nVERSION 0.7\n{given.format(size)}POINTS 5\nDATA {form}\n"
+    view = "VIEWPOINT 0 0 0 1 0 0 0"
+    text = f"# .PCD v0.7\nVERSION 0.7\n{given.format(size)}{view}\nPOINTS 5\nDATA {form}\n"
     return text.encode() + data[:cut]
 
 
@@ -210,6 +211,9 @@ REFUSED = [
     (["cloud.pcd"], "radius: is missing: "),
     (["cloud.pcd", "--radius", "1", "--turn", "1", "1", "0", "0"], "turn: must have length 1"),
     (["cloud.pcd", "text.ply", "cloud.pcd", "--radius", "1"], 'bodies[5].name: "cloud" is already'),
+    (["seen.pcd", "--radius", "1"], "seen.pcd: VIEWPOINT: must be 0 0 0 1 0 0 0, a pose is given"),
+    (["odd.pcd", "--radius", "1"], "odd.pcd: could not convert string to float: 'here'"),
+    (["shelf.scene", "--scale", "2"], "scale: is for clouds and meshes (shelf.scene is in metres)"),
     (["shelf.scene", "--arm", "ur5"], "--arm: is no option of --into"),
     (["notes.txt"], "notes.txt: is no mesh of stl, obj, off, ply"),
     (["none.scene"], "none.scene: cannot be read (No such file or directory)"),
@@ -223,6 +227,8 @@ def test_what_cannot_be_an_obstacle_is_refused(arguments, message, room, capsys,
     monkeypatch.chdir(room)
     (room / "nan.ply").write_bytes(ply("ascii", POINTS[2:3]))
     (room / "cut.ply").write_bytes(ply("binary_little_endian", POINTS)[:-1])
+    (room / "seen.pcd").write_bytes(pcd().replace(b"T 0 0 0 1", b"T 0 0 1 1"))
+    (room / "odd.pcd").write_bytes(pcd().replace(b"T 0 0 0 1", b"T 0 0 here 1"))
     (room / "out.jsonl").write_text("old")
     assert main(["convert", *arguments, "--into", str(PANDA), "--out", "out.jsonl"]) == 2
     stdout, stderr = capsys.readouterr()

@@ -14,7 +14,7 @@ import pytest
 
 from gcm_learn.arms import rotation_of
 from gcm_learn.errors import SituationError
-from gcm_learn.referee import Unreadable, inlined
+from gcm_learn.referee import Unreadable, inlined, read_points
 from gcm_learn.referee.kinds import checked
 from gcm_learn.situation import (
     Cloud,
@@ -91,6 +91,15 @@ def test_all_kinds_of_files_hold_the_same_triangles(name, tmp_path):
     other = inlined(scene, tmp_path)["bodies"][1]["shape"]
     corners = np.array(other["vertices"])[np.array(other["triangles"])]
     np.testing.assert_allclose(np.sort(corners.reshape(-1, 9), axis=0), wanted)
+
+
+def test_a_file_is_read_again_where_it_changed(tmp_path):
+    path = tmp_path / "a.npy"
+    np.save(path, np.zeros((2, 3)))
+    first = read_points(path)
+    assert read_points(path) is first
+    np.save(path, np.ones((3, 3)))
+    assert (read_points(path) == np.ones((3, 3))).all()
 
 
 @pytest.mark.parametrize("kind", ["<f4", ">f8"])
