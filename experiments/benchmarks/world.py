@@ -1,6 +1,7 @@
 """Table of what clouds and meshes cost: trees, distances, and plans beside those among solids.
 
 python -m experiments benchmarks/world > experiments/benchmarks/world.md
+python -m experiments benchmarks/planted >> experiments/benchmarks/world.md
 """
 
 from __future__ import annotations
