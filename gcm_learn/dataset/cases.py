@@ -230,10 +230,8 @@ class SpatialCase(BaseCase):
 
     def _asked(self, name: str) -> planners.Plan:
         effort = self.spec.effort if name == self.spec.persistent else None
-        known: Any = (
-            planners.get_planner(name) if effort is None else planners.search_in_space(effort)
-        )
-        return known.plan(self.situation)
+        brief = None if effort is None else planners.as_ours(planners.search_in_space(effort))
+        return planners.solve(self.situation, brief or name)
 
     def _bounded(self) -> planners.Yardstick:
         return planners.yardstick(self.situation, 0.0, earliest=False)
@@ -263,9 +261,6 @@ class ChainCase(SpatialCase):
             return super()._caught_without_waiting()
         moves = self.plan(self.spec.persistent).trajectory
         return moves is not None and not moves.rests
-
-    def _asked(self, name: str) -> planners.Plan:
-        return planners.solve(self.situation, name)
 
 
 CASES: ByKind[type[BaseCase]] = ByKind(

@@ -277,7 +277,7 @@ RECORDS = ByKind(
             map=MAP_IN_SPACE,
             engines=("marching",),
             largest=COARSE,
-            efforts=False,
+            efforts=True,
             oracle=False,
             several=True,
         ),

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
         Task as Task,
         attempt_of as attempt_of,
         checked as checked,
+        ends_by_touch as ends_by_touch,
         first_catch_on as first_catch_on,
         straight_plan as straight_plan,
     )
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
         gcm as gcm,
         marching as marching,
     )
+    from gcm_learn.planners.joints.end_search import EndSearch as EndSearch
     from gcm_learn.planners.joints.moves import study_of as study_of
     from gcm_learn.planners.joints.straight import (
         any_straight as any_straight,
@@ -36,6 +38,7 @@ if TYPE_CHECKING:
         TreeSearch as TreeSearch,
         search_in_space as search_in_space,
     )
+    from gcm_learn.planners.joints.ways import JointWay as JointWay, new_way as new_way
     from gcm_learn.planners.layered_front import layered as layered
     from gcm_learn.planners.names import (
         all_planner_names as all_planner_names,
@@ -93,13 +96,15 @@ __getattr__ = late.late_names(__name__, {
     "baselines.straight": ("StraightPlanner",),
     "completion": (
         "CATCH_STEP", "Attempt", "Problem", "JointProblem", "Task", "attempt_of", "checked",
-        "first_catch_on", "straight_plan",
+        "ends_by_touch", "first_catch_on", "straight_plan",
     ),
     "feedback": ("Exploration", "Feedback"),
     "fronts": ("Explore", "FrontPlanner", "Params", "gcm", "marching"),
+    "joints.end_search": ("EndSearch",),
     "joints.moves": ("study_of",),
     "joints.straight": ("any_straight", "at_once", "earliest_straight"),
     "joints.tree_search": ("TreeSearch", "search_in_space"),
+    "joints.ways": ("JointWay", "new_way"),
     "layered_front": ("layered",),
     "names": ("all_planner_names", "check_name", "is_registered", "summary_of"),
     "oracle.bounds": ("Bounds", "bounds", "stratum"),

@@ -180,13 +180,6 @@ class JointProblem(Task):
         """Return whether the joints' accelerations are limited."""
         return self.situation.arm.max_joint_acceleration is not None
 
-    @property
-    def ends_by_touch(self) -> bool:
-        """Return whether a movement that ends with a touch answers the situation."""
-        situation = self.situation
-        held = any(target.hold is not None for target in situation.targets)
-        return not held and situation.end == "free" and situation.arm.max_joint_jerk is None
-
     def early_answer(
         self, keeps_acceleration: bool = False, keeps_ends: bool = False
     ) -> Plan | None:
@@ -200,11 +193,18 @@ class JointProblem(Task):
             Others have no plan where a touch will not do.
         """
         early = super().early_answer()
-        if early is None and not keeps_ends and not self.ends_by_touch:
+        if early is None and not keeps_ends and not ends_by_touch(self.situation):
             early = self.answer(motion.Failure.END_UNTAKEN)
         if early is None and self.accelerates and not keeps_acceleration:
             early = self.answer(motion.Failure.ACCELERATION_UNTAKEN)
         return early
+
+
+def ends_by_touch(situation: AnySituation) -> bool:
+    """Return whether a movement that ends with a touch answers a situation."""
+    held = any(target.hold is not None for target in situation.targets)
+    jerk = getattr(situation.arm, "max_joint_jerk", None)
+    return not held and situation.end == "free" and jerk is None
 
 
 def until(situation: Situation, bound: float | None) -> Situation:

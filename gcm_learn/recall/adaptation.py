@@ -16,10 +16,24 @@ from typing import Any, Literal
 import numpy as np
 
 from gcm_learn.motion import SPACING, Movement, first_interception, refine, spread
-from gcm_learn.planners import Attempt, JointProblem, Plan, Problem, at_once, attempt_of
-from gcm_learn.recall import trials
+from gcm_learn.planners import (
+    Attempt,
+    EndSearch,
+    JointProblem,
+    JointWay,
+    Plan,
+    Problem,
+    at_once,
+    attempt_of,
+    earliest_straight,
+    ends_by_touch,
+    new_way,
+    search_in_space,
+)
+from gcm_learn.recall import held_moves, trials
 from gcm_learn.recall.hand_paths import HandQuery, HandWork, hand_work
 from gcm_learn.recall.headings import heading_of, signs_of
+from gcm_learn.recall.held_moves import HeldQuery
 from gcm_learn.recall.joint_moves import JointQuery, JointWork, joint_work
 from gcm_learn.recall.styles import CARTESIAN, HURRY, KEEP, POLAR, Style
 from gcm_learn.recall.timed_moves import TimedQuery
@@ -28,6 +42,7 @@ from gcm_learn.recall.waypoints import Waypoints, ring_share
 from gcm_learn.situation import Situation
 
 INSTANTS = 129  # of a quick check of a hand path
+SEED = 1  # of trees that memories grow
 MOST_BENDS = 3  # changes at most of a joint movement, however many are allowed
 STYLES = {"polar": POLAR, "cartesian": CARTESIAN}
 TEMPOS = {"hurry": HURRY, "keep": KEEP}
@@ -85,6 +100,8 @@ class Tries(ABC):
 
     def __init__(self, problem: Any, how: Adaptation) -> None:
         self.problem, self.how = problem, how
+        self.begun: EndSearch | None = None
+        """The search whose trees memories grew."""
 
     @cached_property
     @abstractmethod
@@ -106,8 +123,12 @@ class Tries(ABC):
         """Return buffers of kernels."""
 
     @abstractmethod
-    def attempt(self, work: Any, count: int, body: int) -> Attempt:
+    def attempt(self, work: Any, count: int, body: int) -> Attempt | None:
         """Return the path in the buffers as an attempt at a target."""
+
+    def finished(self, plan: Plan) -> Plan:
+        """Return a verified catch with what has to follow it."""
+        return plan
 
     def first_valid(
         self, paths: tuple[np.ndarray, np.ndarray], offer: Offer, budget: TrialLimits
@@ -216,9 +237,69 @@ class JointTries(Tries):
         return super().first_valid(paths, offer, budget)
 
 
+class HeldTries(Tries):
+    """Held catches tried on a situation of a chain, in trees that they share."""
+
+    @cached_property
+    def query(self) -> HeldQuery:
+        """The situation, as adaptations of held catches need it."""
+        scene, search = self.problem.scene, EndSearch(self.problem, SEED)
+        self.begun = search
+        shift = heading_of(scene.limb, scene).shift
+        signs = signs_of(self.problem.situation)
+        return HeldQuery(search.study, search.ends, search.trees, signs, shift)
+
+    def work(self) -> JointWay:
+        """Return buffers of kernels."""
+        return new_way(len(self.problem.situation.arm.joints))
+
+    def attempt(self, work: JointWay, count: int, body: int) -> Attempt | None:
+        """Return the way with its end as an attempt."""
+        return None if self.begun is None else self.begun.attempt(work)
+
+    def finished(self, plan: Plan) -> Plan:
+        """Return a plan that goes on to the place of what it caught; its way is searched."""
+        return search_in_space().placed(self.problem, plan)
+
+    def first_valid(
+        self, paths: tuple[np.ndarray, np.ndarray], offer: Offer, budget: TrialLimits
+    ) -> tuple[int, int, Attempt | None]:
+        """Find the first of the offered memories by which the trees meet; see `Tries`."""
+        way = self.work()
+        k, tried, _ = self._in_turn(paths, offer, budget, False, way)
+        return k, tried, self.attempt(way, 0, 0) if k >= 0 else None
+
+    def catch_times(self, knots: np.ndarray, goals: np.ndarray, chosen: np.ndarray) -> np.ndarray:
+        """Return when memories catch, each alone; see `transfer`."""
+        count = len(chosen)
+        places, left = np.zeros((count, 1), np.float32), np.ones(count, dtype=bool)
+        offer, every = Offer(chosen, np.zeros(count), places, left), TrialLimits(0, count, 0.0, 0.0)
+        return self._in_turn((knots, goals), offer, every, True, self.work())[2]
+
+    def _in_turn(
+        self, paths: tuple[np.ndarray, ...], offer: Offer, budget: TrialLimits, alone: bool,
+        way: JointWay,
+    ) -> tuple[int, int, np.ndarray]:  # fmt: skip
+        """Return place, number tried, and times of `held_moves.in_turn`."""
+        times = np.full(len(offer.chosen), -1.0)
+        given = self.query, _read_only(*paths), offer, budget, alone, times, way
+        return *held_moves.in_turn(*given), times
+
+
+def tries_in_joints(problem: JointProblem, how: Adaptation) -> Tries:
+    """Return the tries of a problem in joints, by what its movement ends with."""
+    return JointTries(problem, how) if ends_by_touch(problem.situation) else HeldTries(problem, how)
+
+
 def early_answer_in_space(problem: JointProblem) -> Plan | None:
     """Return the answer that needs no memory: hopeless, blocked, or caught at t = 0."""
-    return problem.early_answer(keeps_acceleration=True) or at_once(problem)
+    early = problem.early_answer(keeps_acceleration=True, keeps_ends=True)
+    return at_once(problem) if early is None and ends_by_touch(problem.situation) else early
+
+
+def straight_in_joints(problem: JointProblem) -> Plan:
+    """Return the plan straight to the earliest interception, if a touch will do."""
+    return problem.early_answer(keeps_acceleration=True) or earliest_straight(problem)
 
 
 def adapt(

@@ -23,6 +23,7 @@ from gcm_learn.scene.bodies import TOP_SPEED, pose_at
 
 KNOTS = 12  # of a remembered movement, see `gcm_learn.recall.space.waypoints`
 TIME, EARLIEST = -2, -1  # columns of a knot, after its joints
+AFTER = -1.0  # earliest time of knots after a catch: the ends of its hold and of the movement
 STEPS = 24  # of a movement that is followed, of equal length
 MOST = KNOTS * (PIECES + 2)  # samples of a movement
 

@@ -51,7 +51,7 @@ class MemoryKind:
     """Map of a situation that encoders embed where none is stored."""
     map_features: Callable[[CognitiveMap], np.ndarray]
     """Features of a map of a canonical situation."""
-    problem: Callable[[Any, str], Any]
+    problem: Callable[..., Any]
     """A situation on its way to a plan, and by which planner."""
     straight: Callable[[Any], planners.Plan]
     """Plan of a problem straight to the earliest interception."""
@@ -109,9 +109,9 @@ MEMORIES = ByKind(
             map_of=coarse_map,
             map_features=joint_map_features,
             problem=planners.JointProblem,
-            straight=planners.earliest_straight,
+            straight=adaptation.straight_in_joints,
             early_answer=adaptation.early_answer_in_space,
-            tries=adaptation.JointTries,
+            tries=adaptation.tries_in_joints,
             pool=4,
             penalty=1.0,
             lesson=Sizes(),
@@ -130,9 +130,9 @@ MEMORIES = ByKind(
             map_of=coarse_map,
             map_features=joint_map_features,
             problem=planners.JointProblem,
-            straight=planners.earliest_straight,
+            straight=adaptation.straight_in_joints,
             early_answer=adaptation.early_answer_in_space,
-            tries=adaptation.JointTries,
+            tries=adaptation.tries_in_joints,
             pool=4,
             penalty=1.0,
             lesson=Sizes(192, 40, 20, 6),  # a try costs tens of times as much
@@ -182,7 +182,10 @@ def waypoints_of(situation: AnySituation, plan: planners.Plan) -> Waypoints:
     if plan.trajectory is None or plan.catch_body is None:
         raise ValueError(f"plan: {plan.status}, only catches can be remembered")
     body = [body.name for body in situation.bodies].index(plan.catch_body)
-    return MEMORIES.of(situation).waypoints_of(situation, plan.trajectory, body)
+    time = plan.catch_time or 0.0
+    goes_on = plan.held_until is not None or plan.trajectory.duration > time
+    held = ((time, plan.held_until or time),) if goes_on else ()
+    return MEMORIES.of(situation).waypoints_of(situation, plan.trajectory, body, *held)
 
 
 def raw_features(situation: AnySituation, scene: Any = None) -> np.ndarray:

@@ -33,6 +33,7 @@ HALF_TURN = 1.8  # largest change of the hand's direction [rad]
 RIMS = (0.15, 0.98)  # shares of the ring
 TIMES = (0.2, 1.0)  # of the end [horizons]
 WAITERS = 4  # one in so many waits
+HELD = "-held"  # end of the name of a memory of held catches
 _FITTED = {"recall-raw": "raw", "recall-pca": "pca", "recall-random": "random"}
 _REFILED = ["recall-map", *_FITTED]
 
@@ -46,6 +47,8 @@ class Recollection:
     """Number of the valid memory."""
     checked: int
     """Paths that were checked."""
+    begun: Any = None
+    """The search that memories began, if they grew its trees."""
 
 
 @dataclass(frozen=True)
@@ -66,8 +69,8 @@ class RecallPlanner:
     """Weight of a failure for memories that lie near, where scores are odds, as those of
     the learned index are; 0 keeps the order of recall. By default that of the kind of arm."""
 
-    other: Callable[[Kind], RecallPlanner] | None = None
-    """Maker of the planner for another kind of arm."""
+    other: Callable[[AnySituation], RecallPlanner] | None = None
+    """Maker of the planner for situations with another kind of arm, or with holds."""
 
     def takes(self, kind: Any) -> bool:
         """Return whether there is a memory for arms of a kind."""
@@ -77,14 +80,17 @@ class RecallPlanner:
         """Answer a situation."""
         return self.recollect(situation).plan
 
-    def recollect(self, situation: AnySituation) -> Recollection:
+    def recollect(
+        self, situation: AnySituation, deadline: planners.Deadline | None = None
+    ) -> Recollection:
         """Answer a situation and say which memory the answer came from."""
         memory = self.memory
-        if kind_of(situation) != memory.kind and self.other is not None:
-            return self.other(kind_of(situation)).recollect(situation)
+        strange = kind_of(situation) != memory.kind or not planners.ends_by_touch(situation)
+        if strange and self.other is not None:
+            return self.other(situation).recollect(situation, deadline)
         same_kind(memory.kind, situation, memory.columns)
         kind = MEMORIES.of(memory.kind)
-        problem = kind.problem(situation, self.name)
+        problem = kind.problem(situation, self.name, deadline=deadline)
         answer = kind.early_answer(problem)
         if answer is not None or len(memory) == 0:
             return Recollection(answer or problem.answer(Failure.NO_MEMORY), None, 0)
@@ -98,7 +104,8 @@ class RecallPlanner:
         budget = TrialLimits(self.how.bends, self.candidates, self.novelty, penalty)
         paths = (memory.knots, memory.goals)
         plan, k, tried = _first_plan(problem, tries, paths, offer, budget)
-        return Recollection(plan, None if k < 0 else int(chosen[k]), tried)
+        number = None if k < 0 else int(chosen[k])
+        return Recollection(plan, number, tried, tries.begun if k < 0 else None)
 
 
 def _offer(chosen: np.ndarray, places: np.ndarray, query: np.ndarray | None = None) -> Offer:
@@ -127,7 +134,8 @@ def _first_plan(
         if attempt is None:
             break
         plan, _ = planners.checked(problem, attempt)
-        if plan is not None:
+        plan = None if plan is None else tries.finished(plan)
+        if plan is not None and plan.caught:
             return plan, k, total
         # The verification has the last word: what is left is tried.
     return problem.answer(Failure.NO_VALID_MEMORY.with_numbers(count=total)), -1, total
@@ -234,12 +242,15 @@ class HybridPlanner:
             that is not `Anytime` plans only where nothing is recalled, and gets neither.
         """
         limit, most = planners.deadline_of(deadline), math.inf if bound is None else bound
-        first = self.recall.plan(situation)
+        recalled = self.recall.recollect(situation, limit)
+        first = recalled.plan
         if first.status == "start_blocked":
             return replace(first, planner=self.name)
         caught = first.catch_time is not None and first.catch_time <= most
         bounded: dict[str, Any] = {}
-        fallback = self.fallback or _planner("search")
+        fallback: Any = self.fallback or _planner("search")
+        if hasattr(fallback, "for_arm"):
+            fallback = fallback.for_arm(situation)
         if getattr(fallback, "anytime", False):
             asked = {"bound": bound, "deadline": limit}
             bounded = {name: value for name, value in asked.items() if value is not None}
@@ -248,6 +259,9 @@ class HybridPlanner:
             if "deadline" not in bounded or end <= 0.0 or bounded["deadline"].over:
                 return replace(first, planner=self.name)
             bounded |= {"bound": end}
+        if recalled.begun is not None and isinstance(fallback, planners.TreeSearch):
+            # Its clock has run since the recall began.
+            first, bounded["begun"] = replace(first, planning_ms=0.0), recalled.begun
         second = fallback.plan(situation, **bounded)
         best = first if caught and not second.caught else second
         elapsed = first.planning_ms + second.planning_ms
@@ -283,8 +297,10 @@ def has_memory() -> bool:
     return artifacts.model(MEMORIES.of(PLANAR).shipped, MANIFEST) is not None
 
 
-def shipped_memory(name: str, kind: Kind = PLANAR) -> Memory:
+def shipped_memory(name: str, kind: Kind = PLANAR, held: bool = False) -> Memory:
     """The memory of a planner's name, e.g. ``recall``, for a kind of arm.
+
+    One of held catches is taken if it is wanted and there is one.
 
     Controls that have none of their own file that of ``recall`` anew, by their own index.
 
@@ -294,6 +310,8 @@ def shipped_memory(name: str, kind: Kind = PLANAR) -> Memory:
         One line that says how to make one.
     """
     whole = MEMORIES.of(kind).shipped
+    if held and artifacts.model(whole + HELD, MANIFEST) is not None:
+        whole += HELD
     own = name + whole.removeprefix(MEMORIES.of(PLANAR).shipped)
     folder = artifacts.model(own, MANIFEST) or artifacts.model(whole, MANIFEST)
     if folder is None:
@@ -313,12 +331,13 @@ _planner = lru_cache(maxsize=8)(lambda name: cast(Any, planners.get_planner(name
 
 
 def _by_arm(planner: RecallPlanner, name: str) -> RecallPlanner:
-    """The planner, with the memory of a name for each other kind of arm."""
+    """The planner, with the memory of a name for situations of other kinds."""
     return replace(planner, other=partial(_of_kind, planner, name))
 
 
-def _of_kind(planner: RecallPlanner, name: str, kind: Kind) -> RecallPlanner:
-    return replace(planner, memory=_memory(name, kind))
+def _of_kind(planner: RecallPlanner, name: str, situation: AnySituation) -> RecallPlanner:
+    held = not planners.ends_by_touch(situation)
+    return replace(planner, memory=_memory(name, kind_of(situation), held))
 
 
 def first_choice() -> RecallPlanner:

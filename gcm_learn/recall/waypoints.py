@@ -23,7 +23,7 @@ from gcm_learn.motion.timing import segment_times
 from gcm_learn.planners import study_of
 from gcm_learn.recall.hand_paths import ANGLE, KNOTS as HAND_KNOTS, RING
 from gcm_learn.recall.headings import heading_of
-from gcm_learn.recall.joint_moves import KNOTS as JOINT_KNOTS, centre_of, least_times
+from gcm_learn.recall.joint_moves import AFTER, KNOTS as JOINT_KNOTS, centre_of, least_times
 from gcm_learn.scene import pack
 from gcm_learn.scene.bodies import HAND, PART, pose_at
 from gcm_learn.scene.packing import pack_bodies
@@ -53,14 +53,14 @@ class Waypoints(NamedTuple):
 
     knots: np.ndarray
     """(24, 4) or (12, joints + 2) float32: place, time [s], and earliest time [s]: after a wait
-    that time, else 0."""
+    that time, else 0; AFTER past the catch, for the ends of a hold and of its movement."""
     goal: np.ndarray
     """(2,) or (6,) float32: place of the target's centre when it is caught."""
 
     @property
     def catch_time(self) -> float:
-        """Time of the last knot [s]."""
-        return float(self.knots[-1, TIME])
+        """Time of the catch [s]."""
+        return float(self.knots[self.knots[:, EARLIEST] >= 0.0, TIME][-1])
 
 
 @njit
@@ -153,17 +153,34 @@ def hand_waypoints(situation: Situation, path: Movement, body: int) -> Waypoints
     return Waypoints(knots, np.array([turn, share], dtype=np.float32))
 
 
-def joint_waypoints(situation: Situation[Any], path: Movement, body: int) -> Waypoints:
-    """Return the movement of a spatial arm or a chain to a body as memory keeps it."""
+def joint_waypoints(
+    situation: Situation[Any], path: Movement, body: int, held: tuple[float, float] | None = None
+) -> Waypoints:
+    """Return the movement of a spatial arm or a chain to a body as memory keeps it.
+
+    Parameters
+    ----------
+    situation : Situation
+    path : Movement
+    body : int
+        The target.
+    held : (float, float), optional
+        When it is caught and let go [s]; then the last knots are the end of the hold and that of
+        the movement.
+    """
     turned, frame = canonical(situation)
-    seen = path.time if path.rates is None else np.linspace(0.0, path.duration, INSTANTS)
+    caught = path.duration if held is None else held[0]
+    after = [] if held is None else [held[1], path.duration]
+    seen = path.time if path.rates is None else np.linspace(0.0, caught, INSTANTS)
     joints = frame.canonical_joints(path.joints_at(seen))
-    time = knot_times(seen, joints, JOINT_KNOTS, CLOSE_JOINTS)
+    time = knot_times(seen, joints, JOINT_KNOTS - len(after), CLOSE_JOINTS)
+    time = np.concatenate([time, after])
     at, scene = frame.canonical_joints(path.joints_at(time)), pack(turned)
     least = least_times(study_of(scene, opening(scene).rules), at)
     heading = heading_of(scene.limb, scene)
     knots = _knots(at - heading.shift, time, (SLOW if path.rates is None else RESTS) * least)
-    places = frame.canonical(path.hand[-1]), centre_of(scene.bodies, body, path.duration)
+    knots[len(time) - len(after) :, EARLIEST] = AFTER
+    places = frame.canonical(path.hand_at(caught)), centre_of(scene.bodies, body, caught)
     hand, centre = (np.stack(places) - heading.origin) @ heading.rows.T
     goal = np.concatenate([centre, hand - centre]) / situation.arm.reach
     return Waypoints(knots, goal.astype(np.float32))

@@ -100,10 +100,9 @@ MIXED = (FamilyShare("gate"), FamilyShare("window-space"))
         (CHAINS, {"map": "wave"}, f"{WHOLE}chains"),
         (SPACE, {"map": "marching"}, "n: must be at most 40 for maps of spatial arms (got 80)"),
         (CHAINS, {"planners": ("layered",)}, "planners[0]: 'layered' does not take chains"),
-        (CHAINS, {"effort": 0.5}, "effort: is for spatial arms"),
         (CHAINS, {"audit": 0.1}, f"audit: {ORACLE}"),
         (CHAINS, {"label": "oracle"}, f"label: {ORACLE}"),
-        (SMALL, {"effort": 0.5}, "effort: is for spatial arms"),
+        (SMALL, {"effort": 0.5}, "effort: is for spatial arms and chains"),
         (SPACE, {"effort": 2.0}, "effort: must be a share, 0 to 1 (got 2.0)"),
         (SPACE, {"map": "wave"}, f"{WHOLE}spatial arms"),
         (

@@ -11,8 +11,6 @@ import pytest
 from gcm_learn import families, get_planner, seeding, solve
 from gcm_learn.arms import forward_in_space
 from gcm_learn.planners import GAIN, TreeSearch, search_in_space
-from gcm_learn.planners.joints.meeting_trees import search_trees
-from gcm_learn.planners.joints.tree_moves import LINES
 from gcm_learn.situation import (
     Body,
     Box,
@@ -120,21 +118,3 @@ def test_nothing_is_looked_for_behind_a_free_straight_line():
 def test_a_bound_is_a_time():
     with pytest.raises(ValueError, match="bound: must be positive"):
         TreeSearch().plan(SPATIAL, bound=0.0)
-
-
-def test_what_is_planted_before_trees_grow_is_used():
-    """Trees that meet before they grow give a plan, and no posture is drawn in vain."""
-    situation = families.draw("panda-crowded", 3, 0)
-    begun = []
-
-    def begin(problem, trees, end, way):
-        begun.append((trees.size.tolist(), end))
-        return search_trees(LINES, problem.study, trees, 600, end, way)
-
-    plan = TreeSearch(rounds=1, begin=begin).plan(situation)
-    assert begun == [([1, 0], situation.horizon)]
-    assert plan.caught and judge(situation, plan) == []
-    alone = TreeSearch(rounds=600).plan(situation)
-    nothing = TreeSearch(rounds=600, begin=lambda *given: False).plan(situation)
-    assert alone.caught and nothing.catch_time == alone.catch_time
-    assert not TreeSearch(rounds=1).plan(situation).caught

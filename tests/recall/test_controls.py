@@ -10,7 +10,7 @@ import pytest
 from gcm_learn import families, get_planner, solve
 from gcm_learn.planners import Plan
 from gcm_learn.recall import HybridPlanner, Memory, RandomIndex, RecallPlanner
-from gcm_learn.recall.planners import shipped_memory
+from gcm_learn.recall.planners import Recollection, shipped_memory
 
 CHECKS = 20  # of recall, and of all that it is compared with but `recall-1`
 
@@ -97,6 +97,10 @@ class Always:
         self.asked += 1
         catch_time = 0.5 if self.status == "caught" else None
         return Plan(situation.name, self.name, self.status, "", self.planning_ms, catch_time)
+
+    def recollect(self, situation, deadline=None):
+        """Answer as from a memory."""
+        return Recollection(self.plan(situation), None, 0)
 
 
 @pytest.mark.parametrize(

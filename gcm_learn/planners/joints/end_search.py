@@ -77,6 +77,11 @@ class EndSearch:
 
     def _finished(self, way: JointWay) -> Plan | None:
         """Return the verified plan of a way and its end, if it passes."""
+        attempt = self.attempt(way)
+        return None if attempt is None else checked(self.problem, attempt)[0]
+
+    def attempt(self, way: JointWay) -> Attempt | None:
+        """Return a way with its end as a movement that keeps the limit of jerk, if it can."""
         moves = self._joined(way)
         e = int(way.body[0])
         catch = self.ends.span[e]
@@ -87,7 +92,7 @@ class EndSearch:
             arm, moves = self.problem.situation.arm, averaged
             assert moves.rates is not None
             moves.joints[0], moves.rates[0] = arm.joints, arm.joint_rates  # to the last digit
-        return checked(self.problem, Attempt(moves, int(self.ends.body[e]), *map(float, catch)))[0]
+        return Attempt(moves, int(self.ends.body[e]), *map(float, catch))
 
     def _joined(self, way: JointWay) -> Movement:
         """Return a way without needless postures, with its end and what goes before."""

@@ -12,7 +12,7 @@ import numpy as np
 
 from gcm_learn.collision import WORK
 from gcm_learn.motion import Failure, Movement
-from gcm_learn.planners.completion import Attempt, JointProblem, checked
+from gcm_learn.planners.completion import Attempt, JointProblem, checked, ends_by_touch
 from gcm_learn.planners.joints.carry import carried, has_place
 from gcm_learn.planners.joints.end_search import EndSearch
 from gcm_learn.planners.joints.meeting_trees import search_trees
@@ -56,9 +56,6 @@ ROOM = 1000
 """Nodes that new trees can hold."""
 search_touching = partial(search_trees, LINES)
 """Trees whose roots are touches."""
-Begin = Callable[[JointProblem, Trees, float, JointWay], bool]
-"""Plants nodes into new trees, given the last instant of a catch [s]; the way is written if they
-meet."""
 Before = Callable[[JointProblem, float, int, int], Plan]
 """Plans a catch until an instant [s], by a seed and a number of postures that are drawn."""
 
@@ -78,8 +75,6 @@ class TreeSearch:
     """Postures to draw in vain for an earlier catch.  If positive, the straight line to the first
     interception comes before all: if it is free, hardly anything is earlier."""
     seed: int = 1
-    begin: Begin | None = None
-    """Called with trees of the start alone, before they grow; true if it makes them meet."""
 
     takes = staticmethod(in_joints)
 
@@ -90,6 +85,7 @@ class TreeSearch:
         situation: AnySituation,
         bound: float | None = None,
         deadline: float | Deadline | None = None,
+        begun: EndSearch | None = None,
     ) -> Plan:
         """Answer a situation.
 
@@ -100,13 +96,17 @@ class TreeSearch:
             Only catches before this time are wanted [s]; e.g. that of a catch that is known.
         deadline : float or Deadline, optional
             See `Anytime`.  With it new trees look for an earlier catch until then.
+        begun : EndSearch, optional
+            Of the same situation and deadline, whose trees go on growing.
         """
         end = end_of(situation, bound)
+        if begun is not None:
+            return self._to_the_end(begun.problem, end, begun)
         problem = JointProblem(situation, self.name, deadline=deadline_of(deadline))
         early: Plan | None = problem.early_answer(keeps_acceleration=True, keeps_ends=True)
         if early is not None:
             return early
-        if not problem.ends_by_touch:
+        if not ends_by_touch(problem.situation):
             return self._to_the_end(problem, end)
         simple = earliest_straight if self.patience and not problem.accelerates else at_once
         first = simple(problem)
@@ -124,17 +124,17 @@ class TreeSearch:
             plan = self._sooner(problem, plan, self._before)
         return replace(plan, planning_ms=problem.elapsed_ms, nodes=problem.nodes)
 
-    def _to_the_end(self, problem: JointProblem, end: float) -> Plan:
+    def _to_the_end(
+        self, problem: JointProblem, end: float, begun: EndSearch | None = None
+    ) -> Plan:
         """A catch until `end` [s] that is held, or after which the arm rests."""
         if problem.deadline is None:
             problem.budget[0] = WORK
         seed, left = self.seed, TWICE * self.rounds
         while True:
-            plan = _with_end(problem, end, seed, left)
-            if plan.caught and has_place(problem.situation, plan):
-                long = crossing(problem.situation.arm)
-                plan = carried(problem, plan, long, self._with_rounds)
-            seed, left = seed + 1, left - AFRESH
+            search = EndSearch(problem, seed) if begun is None else begun
+            plan = self.placed(problem, search.plan(end, min(left, AFRESH)))
+            seed, left, begun = seed + 1, left - AFRESH, None
             if left <= 0 and problem.deadline is not None:
                 left = AFRESH
             if plan.caught or problem.over or problem.budget[0] < 0 or left <= 0:
@@ -142,6 +142,12 @@ class TreeSearch:
         if problem.deadline is not None and plan.placed is None:
             plan = self._sooner(problem, plan, _with_end)
         return replace(plan, planning_ms=problem.elapsed_ms, nodes=problem.nodes)
+
+    def placed(self, problem: JointProblem, plan: Plan) -> Plan:
+        """Return a plan that goes on until what it caught is in its place, if it has one."""
+        if not plan.caught or not has_place(problem.situation, plan):
+            return plan
+        return carried(problem, plan, crossing(problem.situation.arm), self._with_rounds)
 
     def _with_rounds(self, rounds: int, situation: AnySituation) -> Plan:
         return replace(self, rounds=rounds).plan(situation)
@@ -165,8 +171,6 @@ class TreeSearch:
         calm = obstacles and not study.scene.bodies.rows[:, TOP_SPEED].any()
         trees = new_trees(study, ROOM, seed, problem.accelerates)
         found, turn, left = None, 0, float(rounds)
-        if self.begin is not None and self.begin(problem, trees, end, way):
-            found = _finished(problem, trees.moves, way, end)
         if calm:
             trees = new_trees(study, ROOM, seed, False)
         while left > 0 and found is None and not problem.over and problem.budget[0] >= 0:
