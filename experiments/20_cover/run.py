@@ -34,9 +34,7 @@ from gcm_learn.cover import (
     with_cover,
 )
 from gcm_learn.evaluation import complaints
-from gcm_learn.motion import rules_of, verify
 from gcm_learn.processes import crew_of
-from gcm_learn.scene import pack
 from gcm_learn.seeding import rng
 from gcm_learn.storage import write_whole
 
@@ -112,9 +110,7 @@ def cornered(family: str, most: int) -> None:
     ]
     chosen, broken = asked[:: -(-len(asked) // most)], 0
     for catch, theta in chosen:
-        scene = pack(cover.family.situation(theta))
-        movement = catch.movement(cover.family, theta)
-        broken += not verify(scene, rules_of(scene), movement, catch.body).good
+        broken += not catch.verdict(cover.family, theta).good
     note("corners", family, {"draws": len(chosen), "broken": broken})
 
 

@@ -28,8 +28,8 @@ class Cover:
     """
 
     family: Annotated[Positional[str], arg(metavar="FAMILY")]
-    """belt (in the plane), belt-space (a spatial arm) or belt-chain (a Panda); of belt-varied and
-    belt-space-varied the obstacles' places are free, too"""
+    """belt (in the plane), belt-space (a spatial arm), belt-chain (a Panda), held-belt (it holds a
+    box and stops); obstacles' places vary in belt-varied, belt-space-varied, held-belt-varied"""
 
     out: Folder
     """folder for the cover; one that is there is enlarged"""

@@ -11,7 +11,7 @@ from gcm_learn.cover.families import ParametricFamily
 from gcm_learn.cover.kinds import BENDING, Bundle, in_arm, prepared
 from gcm_learn.cover.limits import SAFETY
 from gcm_learn.cover.reaching import ITSELF, NOWHERE, first_touch
-from gcm_learn.motion import Movement
+from gcm_learn.motion import Ask, Movement, Verdict, rules_of, verify
 from gcm_learn.planners import solve
 from gcm_learn.scene import Scene, pack
 
@@ -45,6 +45,10 @@ class StoredCatch:
     """(m, K) float: change of the last place for a unit of each parameter."""
     body: int
     """Index of the target."""
+    rates: np.ndarray | None = None
+    """(n, m) float: of the joints, where the target is held; such a movement does not bend."""
+    span: tuple[float, float] | None = None
+    """When a held target is caught, and until when it is held [s]."""
 
     def places(self, theta: np.ndarray) -> np.ndarray:
         """Places (n, m) for parameters theta (K,)."""
@@ -54,7 +58,23 @@ class StoredCatch:
     def movement(self, family: ParametricFamily, theta: np.ndarray) -> Movement:
         """Return the movement for parameters theta (K,)."""
         arm = family.middle.arm
+        if self.rates is not None:
+            return Movement(arm, self.time, self.way, self.rates)
         return BENDING.of(arm).movement(arm, self.time, self.places(theta))
+
+    def verdict(self, family: ParametricFamily, theta: np.ndarray) -> Verdict:
+        """Verify the movement for parameters theta (K,)."""
+        movement = self.movement(family, theta)
+        return verdict_of(family.situation(theta), movement, self.body, self.span)
+
+
+def verdict_of(
+    situation: Any, movement: Movement, body: int, span: tuple[float, float] | None
+) -> Verdict:
+    """Verify a movement that touches a target at its end, or holds it for a span [s]."""
+    scene = pack(situation)
+    ask = None if span is None else Ask.of(situation, [(body, *span)])
+    return verify(scene, rules_of(scene), movement, body, ask)
 
 
 @dataclass(frozen=True)

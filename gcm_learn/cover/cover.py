@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import zlib
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -168,6 +168,9 @@ def _arrays_of(
         arrays |= {
             name: np.concatenate([getattr(c, name) for c in catches]) for name in _PER_SAMPLE
         }
+    if catches and catches[0].span is not None:
+        arrays["span"] = np.array([c.span for c in catches])
+        arrays["rates"] = np.concatenate([c.rates for c in catches])
     return arrays
 
 
@@ -226,4 +229,7 @@ def _catches_of(arrays: dict[str, np.ndarray]) -> list[StoredCatch]:
         time, way, ramp = (arrays[name][end - count : end] for name in _PER_SAMPLE)
         anchor, gain, body = (arrays[name][k] for name in _PER_CATCH)
         made.append(StoredCatch(anchor, time, way, ramp, gain, int(body)))
+        if "span" in arrays:
+            rates, span = arrays["rates"][end - count : end], arrays["span"][k].tolist()
+            made[-1] = replace(made[-1], rates=rates, span=tuple(span))
     return made

@@ -15,7 +15,9 @@ from gcm_learn.arms import Arm, Chain, SpatialArm
 from gcm_learn.errors import FamilyError, UnknownNameError
 from gcm_learn.situation import (
     AnySituation,
+    Approach,
     Body,
+    Hold,
     PlanarQuadratic,
     SolidQuadratic,
     situation_to_json,
@@ -25,6 +27,7 @@ from gcm_learn.storage import content_hash
 SAME = 1e-9
 """Largest difference between a situation and its copy in a family."""
 _LAW = ("position", "velocity", "acceleration")
+_ASKED = "catch", "plane", "end"
 
 
 @dataclass(frozen=True)
@@ -84,6 +87,11 @@ class ParametricFamily:
         return out
 
     @cached_property
+    def holds(self) -> bool:
+        """True if targets are held after the catch; movements do not bend then."""
+        return any(body.hold is not None for body in self.middle.bodies)
+
+    @cached_property
     def digest(self) -> str:
         """Hash of all that the family's situations follow from."""
         about = [self.name, situation_to_json(self.middle)]
@@ -120,10 +128,12 @@ class ParametricFamily:
     def parameters_of(self, situation: AnySituation) -> np.ndarray | None:
         """Return the parameters (K,) of a situation; None if it is of another family."""
         middle, bodies = self.middle, situation.bodies
-        last = situation.horizon if situation.end_by is None else situation.end_by
-        if situation.arm != middle.arm or min(last, situation.horizon) < middle.horizon - SAME:
+        last = max(middle.horizon, middle.end_by or 0.0)
+        if situation.horizon < middle.horizon - SAME or situation.arm != middle.arm:
             return None
-        if situation.catch != middle.catch or situation.plane != middle.plane:
+        if situation.end_by is not None and situation.end_by < last - SAME:
+            return None
+        if any(getattr(situation, name) != getattr(middle, name) for name in _ASKED):
             return None
         if [_unchanged(body) for body in bodies] != self._kept:
             return None
@@ -169,7 +179,8 @@ def _unchanged(body: Body) -> tuple[Any, ...]:
         turns = (motion.angle, motion.spin)
     elif isinstance(motion, SolidQuadratic):
         turns = (motion.orientation, motion.spin)
-    return body.role, body.shape, body.approach, body.margin, type(motion), turns
+    asked = body.approach, body.hold, body.place, body.ignore, body.ignore_for, body.margin
+    return body.role, body.shape, *asked, type(motion), turns
 
 
 HORIZON = 1.6  # [s]
@@ -232,6 +243,31 @@ def belt_chain() -> ParametricFamily:
     about = "a part on a belt before a Panda, behind a post and a moving carrier"
     sides = ((0.0, 1.0, 0.0), (1.0, 0.0, 0.0))
     return _family("belt-chain", about, arm, bodies, sides, "m", size=0.25)
+
+
+def held_belt() -> ParametricFamily:
+    """Belt before a Panda, from which a box is picked from above, held, and the arm stopped."""
+    bare = belt_chain()
+    along, across, pace, *carrier = bare.parameters
+    with_part = tuple((body, "position", way) for body, _, way in pace.moves)
+    parameters = (
+        replace(along, low=-0.12, high=0.12, moves=with_part),
+        replace(across, low=-0.05, high=0.05),
+        replace(pace, low=-0.1, high=0.1),
+        *carrier,
+    )
+    most = (15.0, 7.5, 10.0, 12.5, 15.0, 20.0, 20.0)
+    part = replace(
+        _solid(PART, situation.Box((0.03, 0.03, 0.03)), (0.55, -0.35, 0.101), 0.25),
+        approach=(Approach((0.0, 0.0, -1.0), 0.5),),
+        hold=Hold(0.2, 0.1),
+    )
+    about = "a box on a belt among goods before a Panda, to be held; the arm ends at rest"
+    whole: Any = bare.middle
+    arm, bodies = replace(whole.arm, max_joint_acceleration=most), (part, *whole.bodies[1:])
+    end = {"end": "rest", "end_by": 1.5 * HORIZON, "format": "gcm-learn/situation@4"}
+    middle = replace(whole, name="held-belt", arm=arm, bodies=bodies, **end)
+    return ParametricFamily("held-belt", about, middle, parameters)
 
 
 def _planar(
@@ -303,12 +339,32 @@ def varied(family: ParametricFamily) -> ParametricFamily:
     return ParametricFamily(name, about, middle, (along, phase, posts, speed, pace))
 
 
+def held_belt_varied() -> ParametricFamily:
+    """Belt whose goods are tall and near the part, by a gap that varies."""
+    bare = held_belt()
+    along, across, pace, phase, _ = bare.parameters
+    tall, sides = situation.Box((0.04, 0.04, 0.07)), {"good 1": -1.0, "good 2": 1.0}
+    bodies = tuple(
+        _solid(body.name, tall, (0.55, -0.35 + sides[body.name] * 0.17, 0.141), 0.25)
+        if body.name in sides
+        else body
+        for body in bare.middle.bodies
+    )
+    ways = tuple((name, "position", (0.0, side, 0.0)) for name, side in sides.items())
+    gap = Parameter("gap", -0.05, 0.05, "m", ways)
+    name, about = f"{bare.name}-varied", f"{bare.summary}; the goods are tall, and near by a gap"
+    middle = replace(bare.middle, name=name, bodies=bodies)
+    return ParametricFamily(name, about, middle, (along, gap, pace, across, phase))
+
+
 FAMILIES: dict[str, Callable[[], ParametricFamily]] = {
     "belt": belt,
     "belt-space": belt_space,
     "belt-chain": belt_chain,
+    "held-belt": held_belt,
     "belt-varied": lambda: varied(belt()),
     "belt-space-varied": lambda: varied(belt_space()),
+    "held-belt-varied": held_belt_varied,
 }
 
 

@@ -14,7 +14,7 @@ from gcm_learn import seeding
 from gcm_learn.cover.catches import Doubt, StoredCatch, doubt_of, planned
 from gcm_learn.cover.cover import CLOSED, OPEN, Cell, Cover
 from gcm_learn.cover.families import ParametricFamily
-from gcm_learn.motion import rules_of, verify
+from gcm_learn.cover.held import held_catch, held_doubt
 from gcm_learn.processes import Crew
 from gcm_learn.scene import Scene, pack
 
@@ -55,6 +55,8 @@ class Finding:
 def examine(question: Question) -> Finding:
     """Look for a catch that provably holds in a cell: among stored ones, then by planning."""
     family, centre, half, known = question
+    if family.holds:
+        return _examine_held(question)
     scene = pack(family.situation(centre))
     for index, catch in known:
         if doubt_of(family, catch, centre, half, scene) is None:
@@ -72,6 +74,18 @@ def examine(question: Question) -> Finding:
     drifts = family.drifts(np.linspace(0.0, family.middle.horizon, 5))
     moved = np.linalg.norm(drifts, axis=-1).max(axis=(0, 2))
     return Finding(doubt=(doubt := Doubt(reason, half * moved)), axes=_axis(family, half, doubt))
+
+
+def _examine_held(question: Question) -> Finding:
+    """Do the same for held catches, which are planned for the whole cell."""
+    family, centre, half, known = question
+    for index, catch in known:
+        if held_doubt(family, catch, centre, half) is None:
+            return Finding(index)
+    found = held_catch(family, centre, half)
+    if isinstance(found, StoredCatch):
+        return Finding(catch=found)
+    return Finding(doubt=found, axes=_axis(family, half, found))
 
 
 def _cuts(question: Question, catch: StoredCatch, doubt: Doubt, scene: Scene) -> tuple[int, ...]:
@@ -243,9 +257,7 @@ def broken_of(
     """Verify draws from proven cells; return how many break a promise, and how many there are."""
     broken = drawn = 0
     for theta, catch in draws(cover, count, seed, first):
-        scene = pack(cover.family.situation(theta))
-        movement = catch.movement(cover.family, theta)
-        broken += not verify(scene, rules_of(scene), movement, catch.body).good
+        broken += not catch.verdict(cover.family, theta).good
         drawn += 1
         progress()
     return broken, drawn

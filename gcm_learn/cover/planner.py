@@ -12,12 +12,12 @@ import numpy as np
 
 from gcm_learn import artifacts
 from gcm_learn.arms import Kind, kind_of
+from gcm_learn.cover.catches import StoredCatch, verdict_of
 from gcm_learn.cover.cover import CLOSED, MANIFEST, Cell, Cover, load_cover
 from gcm_learn.cover.families import FAMILIES, SAME
 from gcm_learn.errors import CoverError
-from gcm_learn.motion import Failure, rules_of, verify
+from gcm_learn.motion import Failure
 from gcm_learn.planners import Plan, as_ours
-from gcm_learn.scene import pack
 from gcm_learn.situation import AnySituation
 
 NAME = "covered"
@@ -27,19 +27,18 @@ class ProvenPlan(Plan):
     """Plan of a proven cell; its clearance is measured at the first use."""
 
     @classmethod
-    def of(cls, situation: AnySituation, body: int, **known: Any) -> ProvenPlan:
-        """Return the plan of a situation that catches one of its bodies."""
+    def of(cls, situation: AnySituation, catch: StoredCatch, **known: Any) -> ProvenPlan:
+        """Return the plan of a situation by a stored catch."""
         made = cls(name=situation.name, status="caught", format=situation.format, **known)
-        vars(made)["_asked"] = situation, body
+        vars(made)["_asked"] = situation, catch.body, catch.span
         del vars(made)["clearance"]  # so that the property answers
         return made
 
     @cached_property
     def clearance(self) -> float | None:  # type: ignore[override]
         """Smallest distance of limb and obstacles, less the thickness."""
-        situation, body = vars(self)["_asked"]
-        scene = pack(situation)
-        return verify(scene, rules_of(scene), self.trajectory, body).clearance  # type: ignore[arg-type]
+        situation, body, span = vars(self)["_asked"]
+        return verdict_of(situation, self.trajectory, body, span).clearance  # type: ignore[arg-type]
 
 
 @dataclass(frozen=True)
@@ -87,13 +86,15 @@ class CoveredPlanner:
         catch = cover.catches[held]
         movement = catch.movement(cover.family, theta)
         body = situation.bodies[catch.body].name
+        when, until = (movement.duration, None) if catch.span is None else catch.span
         return ProvenPlan.of(
             situation,
-            catch.body,
+            catch,
             planner=self.name,
-            message=f"caught {body!r} at {movement.duration:.3f} s",
+            message=f"caught {body!r} at {when:.3f} s",
             planning_ms=1e3 * (time.perf_counter() - started),
-            catch_time=movement.duration,
+            catch_time=when,
+            held_until=until,
             catch_body=body,
             trajectory=movement,
         )

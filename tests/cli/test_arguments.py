@@ -57,7 +57,7 @@ MISTAKES = [
     ("draw none.json", "none.json: cannot be read"),
     ("cover belt --out c --free 6", "free: 'belt' has 1 to 5 parameters (got 6)"),
     ("cover belt --out c --free 0", "free: 'belt' has 1 to 5 parameters (got 0)"),
-    ("cover bellt --out c", "belt-varied, belt-space-varied; did you mean 'belt'?"),
+    ("cover bellt --out c", "belt-space-varied, held-belt-varied; did you mean 'belt'?"),
     ("cover belt --out c --share 0", "--share 0: must be above 0 and at most 1"),
     ("cover belt --out c --share 1.5", "--share 1.5: must be above 0 and at most 1"),
     ("cover belt --out c --time 0s", "--time 0s: must be above 0"),
