@@ -1,0 +1,147 @@
+"""Ask the search and hybrids with memories of held catches for held catches (H17).
+
+python -m experiments 26_held draw --seed HEX --count 300      situations that a search catches
+python -m experiments 26_held ask --seed HEX DATASET ENCODERS  ENCODERS has stored-1, synthetic-1 ...
+
+`draw` goes on where it was stopped; it takes hours. `ask` writes a table beside this file.
+"""
+
+from __future__ import annotations
+
+import argparse
+import itertools
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from gcm_learn import dataset, planners, recall, seeding
+from gcm_learn.evaluation import (
+    Case,
+    Condition,
+    Entrant,
+    Sheet,
+    Table,
+    ask,
+    mark_late,
+    pairs,
+    wilson,
+)
+from gcm_learn.situation import situation_from_json, situation_to_json
+
+HERE = Path(__file__).resolve().parent
+SPEC = HERE.parents[1] / "data" / "specs" / "panda-held-crowded.toml"
+PATIENCE = 10.0  # of the search that says what can be caught [s]
+ROUNDS, ENDS = 1500, 20  # ends that a search draws twice as many of; memories that are tried
+BUDGETS = (0.0, 0.02, 0.1)  # charged for thinking [s]
+CURVE = (1, 2, 5, 10, 20, 50, 100, 200, 500)  # [ms]
+
+
+def caught_by_search(situation: Any) -> bool:
+    """Return whether a search catches within PATIENCE [processor time]."""
+    deadline = planners.Deadline(PATIENCE)
+    problem = planners.JointProblem(situation, "draw", deadline=deadline)
+    if problem.early_answer(keeps_acceleration=True, keeps_ends=True) is not None:
+        return False
+    for seed in itertools.count(1):
+        if problem.over:
+            return False
+        if planners.EndSearch(problem, seed).plan(situation.horizon, ROUNDS).caught:
+            return True
+    return False
+
+
+def draw(file: Path, seed: int, count: int) -> None:
+    """Draw until so many situations are caught; each draw is a line, null if it is not."""
+    spec = dataset.read_spec(SPEC)
+    lines = file.read_text("utf-8").splitlines() if file.exists() else []
+    found = sum(line != "null" for line in lines)
+    with file.open("a", encoding="utf-8") as stream:
+        for k in itertools.count(len(lines)):
+            if found >= count:
+                return
+            share = spec.drawn[k % len(spec.drawn)]
+            situation = share.draw(seeding.rng(seed, k), f"{share.family}-{k}")
+            kept = caught_by_search(situation)
+            found += kept
+            stream.write(json.dumps(situation_to_json(situation) if kept else None) + "\n")
+            stream.flush()
+
+
+def entrants(records: Any, folder: Path) -> list[Entrant]:
+    """Return the search and hybrids, each for all trainings."""
+    trainings = sorted({int(path.name.rpartition("-")[2]) for path in folder.glob("stored-*")})
+    made, train = [], records.where(split="train")
+    for n in trainings:
+        search = planners.TreeSearch(rounds=ROUNDS, seed=1 + 1000 * n)
+        made.append(Entrant("search", search, n))
+        for name in ("stored", "synthetic"):
+            index = recall.LearnedIndex.load(folder / f"{name}-{n}")
+            memory = recall.remember(train, index, synthetic=name == "synthetic", seed=n)
+            made.append(Entrant(name, hybrid(memory, search), n))
+            if name == "stored":
+                raw = memory.refiled(recall.RawIndex.fit(memory.situations()[:5000], n))
+                made.append(Entrant("raw neighbours", hybrid(raw, search), n))
+    return made
+
+
+def hybrid(memory: Any, search: Any) -> Any:
+    """Return the hybrid of a memory and a search."""
+    return recall.HybridPlanner(recall.RecallPlanner(memory, ENDS), search)
+
+
+def curves(sheet: Sheet) -> Table:
+    """Return shares caught within CURVE, and the median and nine tenths of times of catches."""
+    rows = []
+    for name in sheet.each("entrant"):
+        part = sheet.where(entrant=name, thinking=BUDGETS[0])
+        ms = (part["ms"] * part["factor"])[part.caught]
+        shares = [100.0 * float((ms <= most).sum()) / len(part) for most in CURVE]
+        rows.append([name, *shares, float(np.median(ms)), float(np.quantile(ms, 0.9))])
+    return Table(
+        ["entrant", *(f"{most} ms [%]" for most in CURVE), "median [ms]", "90 % [ms]"], rows
+    )
+
+
+def charged(sheet: Sheet) -> Table:
+    """Return shares of catches that came in time, by what was charged."""
+    rows = []
+    for name, budget in itertools.product(sheet.each("entrant"), BUDGETS):
+        part = sheet.where(entrant=name, thinking=budget)
+        broken = int((part["outcome"] == "broken").sum())
+        caught = wilson(int(part.caught.sum()), len(part))
+        rows.append([name, f"{1e3 * budget:g} ms", len(part), caught, broken])
+    return Table(["entrant", "charged", "answers", "caught [%]", "broken"], rows)
+
+
+def main() -> None:
+    """Draw, or ask and write what came of it."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("what", choices=["draw", "ask"])
+    parser.add_argument("folders", nargs="*", type=Path)
+    parser.add_argument("--seed", type=lambda text: int(text, 16), required=True)
+    parser.add_argument("--count", type=int, default=300, help="situations that are caught")
+    given = parser.parse_args()
+    out = HERE / "out" / f"{given.seed:08x}"
+    out.mkdir(parents=True, exist_ok=True)
+    if given.what == "draw":
+        draw(out / "drawn.jsonl", given.seed, given.count)
+        return
+    records, folder = given.folders
+    lines = map(json.loads, (out / "drawn.jsonl").read_text("utf-8").splitlines())
+    drawn = [situation_from_json(line) for line in lines if line is not None][: given.count]
+    cases = [Case(s, "fresh", s.name.rpartition("-")[0]) for s in drawn]
+    conditions = [Condition(thinking=budget) for budget in BUDGETS]
+    sheet = ask(entrants(dataset.open(records), folder), cases, conditions, keep=out)
+    sheet.save(out / "sheet.parquet")
+    timely = mark_late(sheet)
+    compared = [("stored", "search"), ("stored", "synthetic"), ("stored", "raw neighbours"),
+                ("synthetic", "search")]  # fmt: skip
+    told = "\n\n".join(map(str, [charged(timely), pairs(timely, compared), curves(sheet)]))
+    (HERE / "table.md").write_text(told + "\n", "utf-8")
+    print(told)
+
+
+if __name__ == "__main__":
+    main()
