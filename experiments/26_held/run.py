@@ -1,9 +1,10 @@
 """Ask the search and hybrids with memories of held catches for held catches (H17).
 
 python -m experiments 26_held draw --seed HEX --count 300      situations that a search catches
-python -m experiments 26_held ask --seed HEX DATASET ENCODERS  ENCODERS has stored-1, synthetic-1 ...
+python -m experiments 26_held ask --seed HEX DATASET ENCODERS  hybrids and the search
 
-`draw` goes on where it was stopped; it takes hours. `ask` writes a table beside this file.
+`draw` goes on where it was stopped; it takes hours. `ask` writes a table beside this file. The
+folder ENCODERS has those of trainings: stored-1, synthetic-1, stored-2 and so on.
 """
 
 from __future__ import annotations
