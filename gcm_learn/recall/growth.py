@@ -60,7 +60,11 @@ def habits_of(records: Iterable[Record]) -> tuple[Habit, ...]:
         If there is no catch.
     """
     pairs = ((record.earliest(), record.situation.horizon) for record in records)
-    habits = (_habit(plan.trajectory, horizon) for plan, horizon in pairs if plan is not None)
+    habits = (
+        _habit(plan.trajectory.until(plan.catch_time), horizon)  # a hold comes after
+        for plan, horizon in pairs
+        if plan is not None and plan.trajectory is not None and plan.catch_time is not None
+    )
     found = tuple(islice(habits, STUDIED))
     if not found:
         raise RecallError("the dataset has no catches, whose lengths synthetic movements take")

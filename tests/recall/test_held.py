@@ -10,6 +10,7 @@ from gcm_learn.arms import CHAIN, kind_of
 from gcm_learn.families import draw
 from gcm_learn.planners import JointProblem
 from gcm_learn.recall.adaptation import Adaptation, HeldTries
+from gcm_learn.recall.growth import habits_of
 from gcm_learn.recall.waypoints import EARLIEST, TIME
 from gcm_learn.situation import canonical
 from tests.judging import judge
@@ -47,6 +48,16 @@ def test_a_memory_is_approach_hold_and_end(name):
         frame = canonical(situation)[1]
         rest = frame.canonical_joints(plan.trajectory.joints[-1])
         assert after[-1, 1:TIME] == pytest.approx(rest[1:], abs=1e-5)  # joint 1 has the heading
+
+
+def test_synthetic_movements_end_as_early_as_catches():
+    class Kept:
+        def __init__(self, situation, plan):
+            self.situation, self.earliest = situation, lambda: plan
+
+    found = habits_of(Kept(*one) for one in catches("placed"))
+    wanted = [plan.catch_time / situation.horizon for situation, plan in catches("placed")]
+    assert [habit.end for habit in found] == pytest.approx(wanted)
 
 
 @SLOW
