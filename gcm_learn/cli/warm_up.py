@@ -25,6 +25,7 @@ EXAMPLES = (
     ("panda-crowded-accelerated", 3, 0),
     ("space-sequences", 3, 0),
     ("panda-sequences", 3, 0),
+    ("panda-belt", 3, 0),
     ("falling-space", 5, 0),
     ("panda-crowded", 5, 0),
     ("panda-crowded", 5, 3),

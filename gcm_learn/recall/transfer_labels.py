@@ -250,7 +250,9 @@ class TransferLabels:
         for k in rng.permutation(len(several))[: self.sizes.alone].tolist():
             situation = several[k]
             one = situation.obstacles[int(rng.integers(len(situation.obstacles)))]
-            alone = replace(situation, bodies=(*situation.targets, one))
+            bare = {"place": None, "ignore": (), "ignore_for": None}  # may name other obstacles
+            targets = (replace(target, **bare) for target in situation.targets)
+            alone = replace(situation, bodies=(*targets, one))
             out.append(self.kind.problem(alone, "labels"))
         return out
 
