@@ -44,6 +44,7 @@ RESULTS = HERE / "results.json"
 SHARE = 0.95  # of the hypothesis
 SEEDS = {"check": 1, "judge": 2, "time": 3}
 CHECKED = 3  # free parameters of the covers that are checked: those of the hypothesis
+ROWS = 200  # of a curve that are kept
 PART = 20_000  # draws that are noted at once
 
 
@@ -83,9 +84,9 @@ def grown(family: str, free: int, minutes: float, workers: int) -> None:
     note("growth", f"{family}-{free}", row)
 
 
-def thinned(curve: list[Any], most: int = 200) -> list[Any]:
-    """Return at most so many rows of a curve, its last one among them."""
-    return curve[:: max(len(curve) // most, 1)] + curve[-1:]
+def thinned(curve: list[Any]) -> list[Any]:
+    """Return some rows of a curve, its last one among them."""
+    return curve[:: max(len(curve) // ROWS, 1)] + curve[-1:]
 
 
 def checked(family: str, count: int) -> None:
