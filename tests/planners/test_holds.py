@@ -225,7 +225,7 @@ def solved(given):
     return solve(situation_from_json(given), "search")
 
 
-@pytest.mark.parametrize("planner", ["straight", "marching", "recall"])
+@pytest.mark.parametrize("planner", ["straight", "marching"])
 def test_other_planners_say_that_they_end_with_a_touch(planner):
     plan = get_planner(planner).plan(situation_from_json(asked("panda", 1)))
     assert plan.status == "unreachable" and "ends with a touch" in plan.message
