@@ -4,7 +4,7 @@ python -m experiments 26_held draw --seed HEX --count 300      situations that a
 python -m experiments 26_held ask --seed HEX DATASET ENCODERS  hybrids and the search
 
 `draw` goes on where it was stopped; it takes hours. `ask` writes a table beside this file. The
-folder ENCODERS has those of trainings: stored-1, synthetic-1, stored-2 and so on.
+folder ENCODERS has a folder for each training: stored-1, synthetic-1, stored-2 and so on.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
 """Held catches: one movement for a whole cell, proven by a single situation that is harder.
 
-Parameters move bodies and change their velocities, and nothing else. So obstacles of a cell are
-off those of its middle by at most `now + rate t`, which is what a margin says. A target that is
-off takes its way from the grasp, and its velocity from the relative speed. What is verified under
-these margins and limits holds in all of the cell: approach, hold and stop.
+Parameters move bodies and change their velocities, and nothing else. So no obstacle of a cell is
+farther from its place in the middle than `now + rate t`. A margin says the same. The grasp is
+smaller by how far a target may be off, the relative speed by how much its velocity may differ. A
+movement that is verified under these margins and limits holds in all of the cell.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from gcm_learn.situation import Margin
 LEAST = 0.25
 """Share of grasp and relative speed that a cell must leave before it is planned for."""
 NAMES = {Failure.COLLISION: "clearance", Failure.NOT_HELD: "grasp", Failure.SLIPS: "relative speed"}
-"""What is in doubt, by what failed."""
+"""Names of doubts, by what failed."""
 
 
 def harder(

@@ -100,8 +100,11 @@ class Tries(ABC):
 
     def __init__(self, problem: Any, how: Adaptation) -> None:
         self.problem, self.how = problem, how
-        self.begun: EndSearch | None = None
-        """The search whose trees memories grew."""
+
+    @property
+    def begun(self) -> EndSearch | None:
+        """The search whose trees memories grow, if they grow any."""
+        return None
 
     @cached_property
     @abstractmethod
@@ -241,10 +244,14 @@ class HeldTries(Tries):
     """Held catches tried on a situation of a chain, in trees that they share."""
 
     @cached_property
+    def begun(self) -> EndSearch:
+        """The search whose trees memories grow."""
+        return EndSearch(self.problem, SEED)
+
+    @cached_property
     def query(self) -> HeldQuery:
         """The situation, as adaptations of held catches need it."""
-        scene, search = self.problem.scene, EndSearch(self.problem, SEED)
-        self.begun = search
+        scene, search = self.problem.scene, self.begun
         shift = heading_of(scene.limb, scene).shift
         signs = signs_of(self.problem.situation)
         return HeldQuery(search.study, search.ends, search.trees, signs, shift)
@@ -255,7 +262,7 @@ class HeldTries(Tries):
 
     def attempt(self, work: JointWay, count: int, body: int) -> Attempt | None:
         """Return the way with its end as an attempt."""
-        return None if self.begun is None else self.begun.attempt(work)
+        return self.begun.attempt(work)
 
     def finished(self, plan: Plan) -> Plan:
         """Return a plan that goes on to the place of what it caught; its way is searched."""

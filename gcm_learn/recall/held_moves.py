@@ -57,9 +57,14 @@ def _draw(query, knots, m, k, share):
 
 @njit(_nrt=False)
 def _rooted(query, knots, m, c, until):
-    """Plant an end for each target at `until` [s]; the node that a root is joined to, and the root.
+    """Add an end of memory m for each target at `until` [s], until one is reached.
 
-    The root is -1 without an end, the node is -1 while none can go there.
+    Returns
+    -------
+    node : int
+        The node of the start's tree that reaches the end, -1 if none does.
+    root : int
+        The last end that was added, -1 without one.
     """
     study, ends, trees, last = query.study, query.ends, query.trees, -1
     for b in range(study.scene.bodies.rows.shape[0]):
@@ -137,7 +142,7 @@ def _met(query, knots, m, way):
 
 @njit
 def in_turn(query, paths, offer, budget, alone, times, way):
-    """Try memories, the most promising first: all of their ends, then their approaches.
+    """Try memories: the ends of all of them, then their approaches; the most promising first.
 
     Parameters
     ----------

@@ -132,8 +132,7 @@ class TreeSearch:
             problem.budget[0] = WORK
         seed, left = self.seed, TWICE * self.rounds
         while True:
-            search = EndSearch(problem, seed) if begun is None else begun
-            plan = self.placed(problem, search.plan(end, min(left, AFRESH)))
+            plan = self.placed(problem, _with_end(problem, end, seed, left, begun))
             seed, left, begun = seed + 1, left - AFRESH, None
             if left <= 0 and problem.deadline is not None:
                 left = AFRESH
@@ -195,9 +194,12 @@ class TreeSearch:
         return problem.answer(Failure.OUT_OF_TIME if problem.over else Failure.NO_TREE)
 
 
-def _with_end(problem: JointProblem, end: float, seed: int, rounds: int) -> Plan:
+def _with_end(
+    problem: JointProblem, end: float, seed: int, rounds: int, begun: EndSearch | None = None
+) -> Plan:
     """A catch until `end` [s] that is held, or after which the arm rests."""
-    return EndSearch(problem, seed).plan(end, min(rounds, AFRESH))
+    search = EndSearch(problem, seed) if begun is None else begun
+    return search.plan(end, min(rounds, AFRESH))
 
 
 def search_in_space(effort: float = 1.0) -> TreeSearch:
