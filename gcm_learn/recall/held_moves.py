@@ -80,7 +80,7 @@ def _rooted(query, knots, m, c, until):
     return -1, last
 
 
-@njit(_nrt=False)
+@njit
 def _way_of(query, knots, m, stretch, way):
     """Grow the tree of the start along the approach of memory m; whether it meets an end."""
     study, trees, first, c = query.study, query.trees, knots[m, 0], caught_at(knots, m)
@@ -115,7 +115,7 @@ def _length(query, one, other):
     return turning_time(query.study.scene.limits.joint_speed, one, other)
 
 
-@njit(_nrt=False)
+@njit
 def _met(query, knots, m, way):
     """Add the ends of memory m at each of its times, until the tree of the start reaches one.
 
