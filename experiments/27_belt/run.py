@@ -64,13 +64,13 @@ def entrants() -> dict[str, Ask]:
     names = [body.name for body in family.middle.bodies]
 
     def by_cover(situation: Any) -> Plan:
-        """Ask about the wanted part alone; the whole is verified later."""
+        """Ask the cover about the wanted part alone; the whole pick is verified later."""
         own = {b.name: b for b in situation.bodies} | {"part": situation.targets[0]}
         bodies = tuple(replace(own[name], name=name) for name in names)
         plan = covered.plan(replace(situation, bodies=bodies))
-        return replace(plan, catch_body=situation.name) if plan.caught else plan
+        return replace(plan, catch_body=situation.name) if plan.caught else search.plan(situation)
 
-    return {"search": search.plan, "memory, then search": hybrid.plan, "cover": by_cover}
+    return {"search": search.plan, "memory, then search": hybrid.plan, "cover, then search": by_cover}
 
 
 def gone_to(moves: Any, posture: np.ndarray) -> Movement:
