@@ -70,7 +70,11 @@ def entrants() -> dict[str, Ask]:
         plan = covered.plan(replace(situation, bodies=bodies))
         return replace(plan, catch_body=situation.name) if plan.caught else search.plan(situation)
 
-    return {"search": search.plan, "memory, then search": hybrid.plan, "cover, then search": by_cover}
+    return {
+        "search": search.plan,
+        "memory, then search": hybrid.plan,
+        "cover, then search": by_cover,
+    }
 
 
 def gone_to(moves: Any, posture: np.ndarray) -> Movement:
