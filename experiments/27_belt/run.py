@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 import world
+from scipy.stats import t as student
 
 from gcm_learn import Movement, get_planner, rng, solve
 from gcm_learn.arms import kind_of
@@ -120,7 +121,7 @@ def ways_home(moves: Any) -> Iterator[Movement]:
         yield gone_to(gone_to(moves, drawn), home)
 
 
-def picked(situation: Any, plan: Plan) -> tuple[Any, Plan] | None:
+def picked(situation: Any, plan: Plan) -> tuple[Any, Any] | None:
     """Return the situation and the verified plan of a whole pick, the way home included."""
     whole = world.with_place(situation)
     for moves in ways_home(plan.trajectory):
@@ -136,7 +137,7 @@ class Run:
 
     minute: world.Minute
     budget: float
-    legs: list[tuple[float, Any, Plan]] = field(default_factory=list)
+    legs: list[tuple[float, Any, Any]] = field(default_factory=list)
     """When the arm goes [s], the situation then, and the plan."""
     thoughts: list[tuple[float, bool, bool]] = field(default_factory=list)
     """Processor time of each [s], if there was a plan, and if it came in time."""
@@ -185,21 +186,32 @@ def at_the_belt(minute: world.Minute, ask: Ask, budget: float) -> Run:
     return run
 
 
-def row(name: str, budget: float, runs: list[Run]) -> list[Any]:
-    """Return what is told of some runs."""
+HEAD = ["by, charged", "in the bin", "of those seen [%]", "more than search", "missed",
+        "thoughts in vain", "late", "median thought [ms]", "mean pick [s]", "broken"]  # fmt: skip
+
+
+def row(name: str, runs: list[Run], by_search: list[Run]) -> list[Any]:
+    """Return means of some minutes, with the difference from the search in the same minutes."""
+    count, seen = len(runs), sum(run.seen for run in runs)
     thoughts = [thought for run in runs for thought in run.thoughts]
-    ms = 1e3 * np.median([took for took, _, _ in thoughts])
-    picks, seen = sum(len(run.legs) for run in runs), sum(run.seen for run in runs)
-    vain = len(thoughts) - sum(timely for _, _, timely in thoughts)
     late = sum(took > run.budget for run in runs for took, _, _ in run.thoughts)
-    mean = np.mean([plan.trajectory.duration for run in runs for _, _, plan in run.legs])
-    told = [picks / len(runs), 100.0 * picks / seen, (seen - picks) / len(runs)]
-    return [name, f"{1e3 * budget:g} ms", *told, vain / len(runs), late / len(runs), ms, mean,
-            sum(run.broken for run in runs)]  # fmt: skip
-
-
-HEAD = ["by", "charged", "parts in the bin", "of those seen [%]", "missed", "thoughts in vain",
-        "late", "median thought [ms]", "mean pick [s]", "broken"]  # fmt: skip
+    vain = sum(not timely for _, _, timely in thoughts)
+    picks = sum(len(run.legs) for run in runs)
+    more = [len(run.legs) - len(other.legs) for run, other in zip(runs, by_search, strict=True)]
+    off = float(student.ppf(0.975, count - 1) * np.std(more, ddof=1)) / math.sqrt(count)
+    mean = float(np.mean(more))
+    return [
+        f"{name}, {1e3 * runs[0].budget:g} ms",
+        picks / count,
+        picks / seen,
+        "–" if runs is by_search else f"{mean:+.1f} ({mean - off:+.1f} to {mean + off:+.1f})",
+        (seen - picks) / count,
+        vain / count,
+        late / count,
+        1e3 * float(np.median([took for took, _, _ in thoughts])),
+        float(np.mean([plan.trajectory.duration for run in runs for _, _, plan in run.legs])),
+        sum(run.broken for run in runs),
+    ]
 
 
 def main() -> None:
@@ -213,11 +225,15 @@ def main() -> None:
         prepare()
         return
     minutes, rows = [world.Minute(k) for k in range(given.minutes)], []
-    for name, ask in entrants().items():
+    asked = entrants()
+    for ask in asked.values():
         at_the_belt(minutes[0], ask, BUDGETS[-1])  # for nothing: kernels are loaded
-        for budget in BUDGETS:
+    for budget in BUDGETS:
+        by_search: list[Run] = []
+        for name, ask in asked.items():
             runs = [at_the_belt(minute, ask, budget) for minute in minutes]
-            rows.append(row(name, budget, runs))
+            by_search = by_search or runs
+            rows.append(row(name, runs, by_search))
             print(rows[-1], flush=True)
     told = str(Table(HEAD, rows))
     (HERE / "table.md").write_text(told + "\n", "utf-8")
