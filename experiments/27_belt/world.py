@@ -1,8 +1,8 @@
 """A Panda between a belt and a bin, under boxes that hang: one minute, and its picks as a family.
 
 Parts come along y at irregular times and places. Boxes hang from a conveyor that runs the other
-way. The arm rests over the bin, picks a part from above, moves with it while a gripper
-closes, and carries it back to the posture from which it came.
+way. The arm rests over the bin and picks a part from above. The hand moves with it while a gripper
+closes; then the arm carries it back to the posture from which it came.
 """
 
 from __future__ import annotations
