@@ -23,7 +23,8 @@ from gcm_learn import Movement, get_planner, rng, solve
 from gcm_learn.arms import kind_of
 from gcm_learn.cover import FAMILIES, Budget, Cover, grow, is_cover, load_cover, with_cover
 from gcm_learn.evaluation import Table
-from gcm_learn.planners import Plan, broken_promise, plan_to_json
+from gcm_learn.planners import Plan, plan_to_json
+from gcm_learn.planners.outside import judged_anew
 from gcm_learn.processes import Here
 from gcm_learn.recall import HybridPlanner, Memory, RawIndex, RecallPlanner, waypoints_of
 from gcm_learn.referee import examine
@@ -36,6 +37,8 @@ BUDGETS = (0.01, 0.02, 0.05, 0.1)  # charged for each thought [s]
 LOOK = 0.02  # from look to look at an empty belt [s]
 LEAST = 1e-9  # turn or time that is told from none [rad], [s]
 SEED = 27
+KEPT = ("name", "planner", "status", "message", "catch_time", "held_until", "trajectory", "format")
+"""Fields of a plan that a proven one has without a verification."""
 
 FAMILIES["pick"] = world.picks  # so that its cover can be read
 Ask = Callable[[Any], Plan]
@@ -69,7 +72,10 @@ def entrants() -> dict[str, Ask]:
         own = {b.name: b for b in situation.bodies} | {"part": situation.targets[0]}
         bodies = tuple(replace(own[name], name=name) for name in names)
         plan = covered.plan(replace(situation, bodies=bodies))
-        return replace(plan, catch_body=situation.name) if plan.caught else search.plan(situation)
+        if not plan.caught:
+            return search.plan(situation)
+        kept: Any = {name: getattr(plan, name) for name in KEPT}
+        return Plan(**kept, planning_ms=0.0, catch_body=situation.name)
 
     return {
         "search": search.plan,
@@ -125,9 +131,10 @@ def picked(situation: Any, plan: Plan) -> tuple[Any, Any] | None:
     """Return the situation and the verified plan of a whole pick, the way home included."""
     whole = world.with_place(situation)
     for moves in ways_home(plan.trajectory):
-        found = replace(plan, trajectory=moves, placed=moves.duration, planner=plan.planner)
-        if broken_promise(whole, found) is None:
-            return whole, found
+        found = replace(plan, trajectory=moves, placed=moves.duration)
+        fault, clearance = judged_anew(whole, found)
+        if fault is None:
+            return whole, replace(found, clearance=clearance)
     return None
 
 
@@ -139,19 +146,18 @@ class Run:
     budget: float
     legs: list[tuple[float, Any, Any]] = field(default_factory=list)
     """When the arm goes [s], the situation then, and the plan."""
-    thoughts: list[tuple[float, bool, bool]] = field(default_factory=list)
-    """Processor time of each [s], if there was a plan, and if it came in time."""
+    thoughts: list[tuple[float, bool]] = field(default_factory=list)
+    """Processor time of each [s], and if there was a plan in time."""
 
     @property
     def seen(self) -> int:
         """Parts that came by until the end."""
-        last = (self.minute.along(name, world.LENGTH) for name in self.minute.parts)
-        return sum(along > world.LAST for along in last)
+        return len(self.minute.parts)
 
     @property
     def thinks(self) -> float:
         """Median processor time of a thought [s]."""
-        return float(np.median([took for took, _, _ in self.thoughts]))
+        return float(np.median([took for took, _ in self.thoughts]))
 
     @property
     def broken(self) -> int:
@@ -177,7 +183,7 @@ def at_the_belt(minute: world.Minute, ask: Ask, budget: float) -> Run:
         found = picked(situation, plan) if plan.caught else None
         took = process_time() - since
         timely = found is not None and took <= budget
-        run.thoughts.append((took, plan.caught, timely))
+        run.thoughts.append((took, timely))
         t, vain = t + max(budget, took), vain + 1
         if found is not None and timely:
             run.legs.append((t, *found))
@@ -194,8 +200,8 @@ def row(name: str, runs: list[Run], by_search: list[Run]) -> list[Any]:
     """Return means of some minutes, with the difference from the search in the same minutes."""
     count, seen = len(runs), sum(run.seen for run in runs)
     thoughts = [thought for run in runs for thought in run.thoughts]
-    late = sum(took > run.budget for run in runs for took, _, _ in run.thoughts)
-    vain = sum(not timely for _, _, timely in thoughts)
+    late = sum(took > run.budget for run in runs for took, _ in run.thoughts)
+    vain = sum(not timely for _, timely in thoughts)
     picks = sum(len(run.legs) for run in runs)
     more = [len(run.legs) - len(other.legs) for run, other in zip(runs, by_search, strict=True)]
     off = float(student.ppf(0.975, count - 1) * np.std(more, ddof=1)) / math.sqrt(count)
@@ -208,7 +214,7 @@ def row(name: str, runs: list[Run], by_search: list[Run]) -> list[Any]:
         (seen - picks) / count,
         vain / count,
         late / count,
-        1e3 * float(np.median([took for took, _, _ in thoughts])),
+        1e3 * float(np.median([took for took, _ in thoughts])),
         float(np.mean([plan.trajectory.duration for run in runs for _, _, plan in run.legs])),
         sum(run.broken for run in runs),
     ]

@@ -56,6 +56,15 @@ class ParametricFamily:
     parameters: tuple[Parameter, ...]
     """Free parameters."""
 
+    def __post_init__(self) -> None:
+        """Refuse what proofs do not speak of."""
+        if self.middle.catch != "any" and len(self.middle.targets) > 1:
+            raise FamilyError("catch", "must be 'any' where there are several targets")
+        for parameter in self.parameters:
+            if any(law not in _LAW[:2] for _, law, _ in parameter.moves):
+                laws = f"of {parameter.name!r} may change {_LAW[0]} and {_LAW[1]} only"
+                raise FamilyError("parameters", laws)
+
     @cached_property
     def low(self) -> np.ndarray:
         """(K,) float: lowest values of the parameters."""
@@ -128,7 +137,7 @@ class ParametricFamily:
     def parameters_of(self, situation: AnySituation) -> np.ndarray | None:
         """Return the parameters (K,) of a situation; None if it is of another family."""
         middle, bodies = self.middle, situation.bodies
-        last = max(middle.horizon, middle.end_by or 0.0)
+        last = max(middle.horizon, middle.end_by or (np.inf if self.holds else 0.0))
         if situation.horizon < middle.horizon - SAME or situation.arm != middle.arm:
             return None
         if situation.end_by is not None and situation.end_by < last - SAME:
@@ -137,12 +146,20 @@ class ParametricFamily:
             return None
         if [_unchanged(body) for body in bodies] != self._kept:
             return None
+        if self._ignores and [b.name for b in bodies] != [b.name for b in middle.bodies]:
+            return None
         given = (law_numbers(situation) - self.numbers).reshape(-1)
         change = self._inverse @ given
         if np.abs(given - change @ self._flat).max() > SAME:
             return None
         theta: np.ndarray = self.centre + change
         return theta
+
+    @cached_property
+    def _ignores(self) -> bool:
+        """True if obstacles are ignored, which is said by their names."""
+        some = getattr(self.middle.arm, "ignore", ())
+        return bool(some) or any(body.ignore for body in self.middle.bodies)
 
     @cached_property
     def _kept(self) -> list[Any]:

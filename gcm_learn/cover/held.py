@@ -78,8 +78,11 @@ def _doubt(
     others = [k for k, body in enumerate(family.middle.bodies) if body.role == "obstacle"]
     bodies = others if failure is Failure.COLLISION else [target]
     slipping = failure is Failure.SLIPS
-    rows = family.slopes[:, :, 1] if slipping else family.drifts(np.array([when]))[0]
-    shares = half * np.linalg.norm(rows[:, bodies], axis=-1).max(axis=1)
+    moved = np.linalg.norm(family.drifts(np.array([when]))[0][:, bodies], axis=-1)
+    if slipping:
+        turned = float(np.linalg.norm(family.middle.bodies[target].motion.spin))  # type: ignore[union-attr]
+        moved = np.linalg.norm(family.slopes[:, bodies, 1], axis=-1) + turned * moved
+    shares = half * moved.max(axis=1, initial=0.0)
     return Doubt(NAMES.get(failure, failure.name.lower().replace("_", " ")), shares)
 
 

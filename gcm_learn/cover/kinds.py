@@ -113,7 +113,7 @@ def prepared(situation: AnySituation, share: float, margin: float) -> AnySituati
     """
     arm: Any = situation.arm
     if getattr(arm, "max_joint_acceleration", None) is not None:
-        raise FamilyError("arm.max_joint_acceleration", "cannot be kept by covers")
+        raise FamilyError("arm.max_joint_acceleration", "cannot be kept by covers of touches")
     held = _HELD_BACK.of(situation)(arm, share, margin)
     held = replace(held, grasp=BENDING.of(situation).grasp * arm.grasp)
     return replace(situation, arm=held)

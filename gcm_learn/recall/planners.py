@@ -28,6 +28,7 @@ from gcm_learn.situation import AnySituation, Situation
 from gcm_learn.storage import content_number
 
 CANDIDATES = 20
+SLICE = 4  # memories from one look at the clock to the next
 NOVELTY = 0.05  # a path this near to one that failed is not checked [forearm lengths]
 HALF_TURN = 1.8  # largest change of the hand's direction [rad]
 RIMS = (0.15, 0.98)  # shares of the ring
@@ -102,8 +103,7 @@ class RecallPlanner:
         penalty = penalty if memory.index.name == "learned" else 0.0
         offer = _offer(chosen, memory.embeddings, place if penalty > 0.0 else None)
         budget = TrialLimits(self.how.bends, self.candidates, self.novelty, penalty)
-        paths = (memory.knots, memory.goals)
-        plan, k, tried = _first_plan(problem, tries, paths, offer, budget)
+        plan, k, tried = _first_plan(problem, tries, (memory.knots, memory.goals), offer, budget)
         number = None if k < 0 else int(chosen[k])
         return Recollection(plan, number, tried, tries.begun if k < 0 else None)
 
@@ -127,13 +127,13 @@ def _first_plan(
 ) -> tuple[planners.Plan, int, int]:
     """Plan of the first valid memory, its place in the offer or -1, and paths checked."""
     total = 0
-    while total < budget.tries:
-        left = budget._replace(tries=budget.tries - total)
+    while total < budget.tries and not problem.over:
+        left = budget._replace(tries=problem.slices(SLICE, budget.tries - total))
         k, tried, attempt = tries.first_valid(paths, offer, left)
-        total += tried
-        if attempt is None:
+        if tried == 0:
             break
-        plan, _ = planners.checked(problem, attempt)
+        total += tried
+        plan = None if attempt is None else planners.checked(problem, attempt)[0]
         plan = None if plan is None else tries.finished(plan)
         if plan is not None and plan.caught:
             return plan, k, total
@@ -259,9 +259,10 @@ class HybridPlanner:
             if "deadline" not in bounded or end <= 0.0 or bounded["deadline"].over:
                 return replace(first, planner=self.name)
             bounded |= {"bound": end}
-        if recalled.begun is not None and isinstance(fallback, planners.TreeSearch):
+        begun = recalled.begun if bound is None else None  # its trees may have later catches
+        if begun is not None and isinstance(fallback, planners.TreeSearch):
             # Its clock has run since the recall began.
-            first, bounded["begun"] = replace(first, planning_ms=0.0), recalled.begun
+            first, bounded["begun"] = replace(first, planning_ms=0.0), begun
         second = fallback.plan(situation, **bounded)
         best = first if caught and not second.caught else second
         elapsed = first.planning_ms + second.planning_ms

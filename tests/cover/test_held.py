@@ -122,3 +122,35 @@ def test_placing_is_refused():
     placed = replace(whole, middle=asked_anew(whole.middle, place=Place((0.3, 0.3, 0.3), 0.1)))
     with pytest.raises(FamilyError, match="not placed"):
         held_catch(placed, placed.centre, np.array([1e-3]))
+
+
+def test_a_limit_of_the_end_counts_where_the_family_has_none():
+    whole = parametric_family("held-belt")
+    family = replace(whole, middle=replace(whole.middle, end_by=None))
+    situation = family.situation(family.centre)
+    assert family.parameters_of(situation) is not None
+    assert family.parameters_of(replace(situation, end_by=9.0)) is None
+
+
+def test_names_count_where_obstacles_are_ignored():
+    whole = parametric_family("held-belt")
+    model = whole.middle.arm.model
+    links = (replace(model.links[0], name="foot"), *model.links[1:])
+    arm = replace(whole.middle.arm, model=replace(model, links=links), ignore=(("foot", "belt"),))
+    family = replace(whole, middle=replace(whole.middle, arm=arm))
+    situation = family.situation(family.centre)
+    names = {"belt": "good 1", "good 1": "belt"}
+    bodies = tuple(replace(b, name=names.get(b.name, b.name)) for b in situation.bodies)
+    assert family.parameters_of(situation) is not None
+    assert family.parameters_of(replace(situation, bodies=bodies)) is None
+
+
+def test_families_that_proofs_do_not_speak_of_are_refused():
+    whole = parametric_family("held-belt")
+    second = replace(whole.middle.bodies[0], name="second")
+    both = replace(whole.middle, bodies=(*whole.middle.bodies, second), catch="all")
+    with pytest.raises(FamilyError, match="several targets"):
+        replace(whole, middle=both)
+    faster = Parameter("push", -1.0, 1.0, "m/s2", (("part", "acceleration", (0.0, 1.0, 0.0)),))
+    with pytest.raises(FamilyError, match="push"):
+        replace(whole, parameters=(faster,))
