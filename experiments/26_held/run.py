@@ -15,28 +15,17 @@ import json
 from pathlib import Path
 from typing import Any
 
-import numpy as np
+import pandas as pd
+import report
 
 from gcm_learn import dataset, planners, recall, seeding
-from gcm_learn.evaluation import (
-    Case,
-    Condition,
-    Entrant,
-    Sheet,
-    Table,
-    ask,
-    mark_late,
-    pairs,
-    wilson,
-)
+from gcm_learn.evaluation import Case, Condition, Entrant, ask
 from gcm_learn.situation import situation_from_json, situation_to_json
 
 HERE = Path(__file__).resolve().parent
 SPEC = HERE.parents[1] / "data" / "specs" / "panda-held-crowded.toml"
 PATIENCE = 10.0  # of the search that says what can be caught [s]
 ROUNDS, ENDS = 1500, 20  # ends that a search draws twice as many of; memories that are tried
-BUDGETS = (0.0, 0.02, 0.1)  # charged for thinking [s]
-CURVE = (1, 2, 5, 10, 20, 50, 100, 200, 500)  # [ms]
 
 
 def caught_by_search(situation: Any) -> bool:
@@ -92,30 +81,6 @@ def hybrid(memory: Any, search: Any) -> Any:
     return recall.HybridPlanner(recall.RecallPlanner(memory, ENDS), search)
 
 
-def curves(sheet: Sheet) -> Table:
-    """Return shares caught within CURVE, and the median and nine tenths of times of catches."""
-    rows = []
-    for name in sheet.each("entrant"):
-        part = sheet.where(entrant=name, thinking=BUDGETS[0])
-        ms = (part["ms"] * part["factor"])[part.caught]
-        shares = [100.0 * float((ms <= most).sum()) / len(part) for most in CURVE]
-        rows.append([name, *shares, float(np.median(ms)), float(np.quantile(ms, 0.9))])
-    return Table(
-        ["entrant", *(f"{most} ms [%]" for most in CURVE), "median [ms]", "90 % [ms]"], rows
-    )
-
-
-def charged(sheet: Sheet) -> Table:
-    """Return shares of catches that came in time, by what was charged."""
-    rows = []
-    for name, budget in itertools.product(sheet.each("entrant"), BUDGETS):
-        part = sheet.where(entrant=name, thinking=budget)
-        broken = int((part["outcome"] == "broken").sum())
-        caught = wilson(int(part.caught.sum()), len(part))
-        rows.append([name, f"{1e3 * budget:g} ms", len(part), caught, broken])
-    return Table(["entrant", "charged", "answers", "caught [%]", "broken"], rows)
-
-
 def main() -> None:
     """Draw, or ask and write what came of it."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
@@ -132,16 +97,16 @@ def main() -> None:
     records, folder = given.folders
     lines = map(json.loads, (out / "drawn.jsonl").read_text("utf-8").splitlines())
     drawn = [situation_from_json(line) for line in lines if line is not None][: given.count]
+    if len(drawn) < given.count:
+        parser.error(f"{len(drawn)} of {given.count} situations are drawn")
     cases = [Case(s, "fresh", s.name.rpartition("-")[0]) for s in drawn]
-    conditions = [Condition(thinking=budget) for budget in BUDGETS]
+    conditions = [Condition(thinking=budget) for budget in report.BUDGETS]
     sheet = ask(entrants(dataset.open(records), folder), cases, conditions, keep=out)
-    sheet.save(out / "sheet.parquet")
-    timely = mark_late(sheet)
-    compared = [("stored", "search"), ("stored", "synthetic"), ("stored", "raw neighbours"),
-                ("synthetic", "search")]  # fmt: skip
-    told = "\n\n".join(map(str, [charged(timely), pairs(timely, compared), curves(sheet)]))
-    (HERE / "table.md").write_text(told + "\n", "utf-8")
-    print(told)
+    rows = pd.DataFrame({name: sheet[name] for name in report.KEPT})
+    rows.to_csv(HERE / "outcomes.csv.gz", index=False, compression={"method": "gzip", "mtime": 0})
+    for name, text in report.results(HERE).items():
+        (HERE / name).write_text(text, "utf-8")
+        print(text)
 
 
 if __name__ == "__main__":
