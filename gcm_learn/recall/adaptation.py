@@ -42,6 +42,7 @@ from gcm_learn.recall.waypoints import Waypoints, ring_share
 from gcm_learn.situation import Situation
 
 INSTANTS = 129  # of a quick check of a hand path
+SLICE = 4  # held memories from one look at the clock to the next
 SEED = 1  # of trees that memories grow
 MOST_BENDS = 3  # changes at most of a joint movement, however many are allowed
 STYLES = {"polar": POLAR, "cartesian": CARTESIAN}
@@ -271,8 +272,13 @@ class HeldTries(Tries):
     def first_valid(
         self, paths: tuple[np.ndarray, np.ndarray], offer: Offer, budget: TrialLimits
     ) -> tuple[int, int, Attempt | None]:
-        """Find the first of the offered memories by which the trees meet; see `Tries`."""
-        way = self.work()
+        """Find the first of some memories by which the trees meet; see `Tries`.
+
+        With a deadline some are tried at a time, and none after it.
+        """
+        if self.problem.over:
+            return -1, 0, None
+        way, budget = self.work(), budget._replace(tries=self.problem.slices(SLICE, budget.tries))
         k, tried, _ = self._in_turn(paths, offer, budget, False, way)
         return k, tried, self.attempt(way, 0, 0) if k >= 0 else None
 

@@ -28,7 +28,6 @@ from gcm_learn.situation import AnySituation, Situation
 from gcm_learn.storage import content_number
 
 CANDIDATES = 20
-SLICE = 4  # memories from one look at the clock to the next
 NOVELTY = 0.05  # a path this near to one that failed is not checked [forearm lengths]
 HALF_TURN = 1.8  # largest change of the hand's direction [rad]
 RIMS = (0.15, 0.98)  # shares of the ring
@@ -127,8 +126,8 @@ def _first_plan(
 ) -> tuple[planners.Plan, int, int]:
     """Plan of the first valid memory, its place in the offer or -1, and paths checked."""
     total = 0
-    while total < budget.tries and not problem.over:
-        left = budget._replace(tries=problem.slices(SLICE, budget.tries - total))
+    while total < budget.tries:
+        left = budget._replace(tries=budget.tries - total)
         k, tried, attempt = tries.first_valid(paths, offer, left)
         if tried == 0:
             break
