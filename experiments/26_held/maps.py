@@ -1,6 +1,6 @@
 """Ask memories of held catches that are found by their maps, their movements, or raw parameters.
 
-gcm-learn generate MAPS.toml --out DATASET
+gcm-learn generate MAPS.toml --out DATASET    panda-held.toml with maps
 gcm-learn train encoder DATASET --memory map --out ENCODERS/map-1 --turns 30 --dim 48 --seed 1
 gcm-learn train encoder DATASET --memory trace --out ENCODERS/trace-1 --turns 30 --dim 48 --seed 1
 python -m experiments 26_held/maps DATASET ENCODERS    maps.md
@@ -35,11 +35,6 @@ def fresh() -> Any:
             yield Case(situation, "fresh", share.family)
 
 
-def recalling(memory: Any, checks: int) -> Any:
-    """Return the planner that tries so many memories."""
-    return RecallPlanner(memory, checks)
-
-
 def main() -> None:
     """Ask, and write the table."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
@@ -49,11 +44,11 @@ def main() -> None:
     records, entrants = dataset.open(given.records).where(split="train"), []
     for n in SEEDS:
         made = [LearnedIndex.load(given.encoders / f"{kind}-{n}") for kind in ("map", "trace")]
-        memory: Any = remember(records, made[1])
+        memory = remember(records, made[1])
         plain = [index.fit(memory.situations(), n) for index in (RawIndex, RandomIndex)]
-        filed: list[Any] = [remember(records, made[0]), memory, *map(memory.refiled, plain)]
+        filed = [remember(records, made[0]), memory, *map(memory.refiled, plain)]
         entrants += [
-            Entrant(f"{way}, {checks}", recalling(one, checks), n)
+            Entrant(f"{way}, {checks}", RecallPlanner(one, checks), n)
             for way, one in zip(WAYS, filed, strict=True)
             for checks in CHECKS
         ]

@@ -22,7 +22,7 @@ KEPT = ("suite", "key", "family", "entrant", "seed", "thinking", "charged", "out
 def results(folder: Path) -> dict[str, str]:
     """Return the text of table.md."""
     rows = pd.read_csv(folder / "outcomes.csv.gz").replace({np.nan: None}).to_dict("records")
-    return {"table.md": told(Sheet.of([{"noise": 0.0, **row} for row in rows]))}  # type: ignore[dict-item]
+    return {"table.md": told(Sheet.of([{"noise": 0.0, **row} for row in rows]))}
 
 
 def told(sheet: Sheet) -> str:

@@ -37,8 +37,6 @@ BUDGETS = (0.01, 0.02, 0.05, 0.1)  # charged for each thought [s]
 LOOK = 0.02  # from look to look at an empty belt [s]
 LEAST = 1e-9  # turn or time that is told from none [rad], [s]
 SEED = 27
-KEPT = ("name", "planner", "status", "message", "catch_time", "held_until", "trajectory", "format")
-"""Fields of a plan that a proven one has without a verification."""
 
 FAMILIES["pick"] = world.picks  # so that its cover can be read
 Ask = Callable[[Any], Plan]
@@ -64,18 +62,14 @@ def entrants() -> dict[str, Ask]:
     """Return planners; each answers with the first catch that it finds."""
     search: Any = get_planner("search")
     hybrid: Any = HybridPlanner(RecallPlanner(Memory.load(OUT / "memory"), 20), search)
-    covered, family = with_cover(OUT / "cover"), world.picks()
-    names = [body.name for body in family.middle.bodies]
+    covered = with_cover(OUT / "cover")
+    names = [body.name for body in world.picks().middle.bodies]
 
     def by_cover(situation: Any) -> Plan:
         """Ask the cover about the wanted part alone; the whole pick is verified later."""
         own = {b.name: b for b in situation.bodies} | {"part": situation.targets[0]}
-        bodies = tuple(replace(own[name], name=name) for name in names)
-        plan = covered.plan(replace(situation, bodies=bodies))
-        if not plan.caught:
-            return search.plan(situation)
-        kept: Any = {name: getattr(plan, name) for name in KEPT}
-        return Plan(**kept, planning_ms=0.0, catch_body=situation.name)
+        plan = covered.plan(replace(situation, bodies=tuple(own[name] for name in names)))
+        return plan if plan.caught else search.plan(situation)
 
     return {
         "search": search.plan,
@@ -131,7 +125,8 @@ def picked(situation: Any, plan: Plan) -> tuple[Any, Any] | None:
     """Return the situation and the verified plan of a whole pick, the way home included."""
     whole = world.with_place(situation)
     for moves in ways_home(plan.trajectory):
-        found = replace(plan, trajectory=moves, placed=moves.duration)
+        # a proven plan would be verified for the clearance that it had before
+        found = replace(plan, trajectory=moves, placed=moves.duration, clearance=None)
         fault, clearance = judged_anew(whole, found)
         if fault is None:
             return whole, replace(found, clearance=clearance)
@@ -140,23 +135,18 @@ def picked(situation: Any, plan: Plan) -> tuple[Any, Any] | None:
 
 @dataclass(eq=False)
 class Run:
-    """A run of a minute: what was seen, thought and done."""
+    """A minute at the belt with one planner: its picks and planning times."""
 
     minute: world.Minute
     budget: float
     legs: list[tuple[float, Any, Any]] = field(default_factory=list)
     """When the arm goes [s], the situation then, and the plan."""
     thoughts: list[tuple[float, bool]] = field(default_factory=list)
-    """Processor time of each [s], and if there was a plan in time."""
-
-    @property
-    def seen(self) -> int:
-        """Parts that came by until the end."""
-        return len(self.minute.parts)
+    """Of each call of the planner: processor time [s], and if a plan came in time."""
 
     @property
     def thinks(self) -> float:
-        """Median processor time of a thought [s]."""
+        """Median processor time of a plan [s]."""
         return float(np.median([took for took, _ in self.thoughts]))
 
     @property
@@ -167,9 +157,9 @@ class Run:
 
 
 def at_the_belt(minute: world.Minute, ask: Ask, budget: float) -> Run:
-    """Return the run of a minute, in which each thought takes the budget, or longer if late.
+    """Return the run of a minute, in which each plan takes the budget, or longer if it is late.
 
-    A thought asks about one part; if it was in vain, the next asks about the next part.
+    A plan is for one part. If none is found in time, the next plan is for the next part.
     """
     run, t, gone, vain = Run(minute, budget), 0.0, set[str](), 0
     while t < world.LENGTH:
@@ -198,7 +188,7 @@ HEAD = ["by, charged", "in the bin", "of those seen [%]", "more than search", "m
 
 def row(name: str, runs: list[Run], by_search: list[Run]) -> list[Any]:
     """Return means of some minutes, with the difference from the search in the same minutes."""
-    count, seen = len(runs), sum(run.seen for run in runs)
+    count, seen = len(runs), sum(len(run.minute.parts) for run in runs)
     thoughts = [thought for run in runs for thought in run.thoughts]
     late = sum(took > run.budget for run in runs for took, _ in run.thoughts)
     vain = sum(not timely for _, timely in thoughts)
@@ -226,6 +216,8 @@ def main() -> None:
     parser.add_argument("what", choices=["prepare", "ask"])
     parser.add_argument("--minutes", type=int, default=10, help="minutes, of other seeds each")
     given = parser.parse_args()
+    if given.minutes < 2:
+        parser.error("--minutes: intervals need at least 2")
     OUT.mkdir(exist_ok=True)
     if given.what == "prepare":
         prepare()
