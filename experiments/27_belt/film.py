@@ -57,7 +57,7 @@ def colour_of(body: Body) -> np.ndarray:
 
 
 def things(done: run.Run, t: float) -> list[Faces]:
-    """Return what is to be seen at t [s]."""
+    """Return the faces of bodies and arm at t [s]."""
     minute, begun = done.minute, [k for k, leg in enumerate(done.legs) if leg[0] <= t]
     gone, joints = {done.legs[k][1].name for k in begun}, np.array(world.HOME)
     shown = world.of("film", (*minute.near(t, gone), *world.at_rest(), *minute.boxes(t)))
@@ -81,7 +81,7 @@ def things(done: run.Run, t: float) -> list[Faces]:
 
 
 def panel(name: str, done: run.Run, t: float) -> Image.Image:
-    """Return the picture of one way to pick, with what came of it so far."""
+    """Return the picture of one planner's arm at t [s], with its counts so far."""
     seen = np.rint(255 * staged(VIEW, WINDOW, 0.0, things(done, t), PIXELS)[::-1]).astype(np.uint8)
     image = Image.new("RGB", (PIXELS, PIXELS + STRIP), "white")
     image.paste(Image.fromarray(seen), (0, STRIP))
@@ -97,7 +97,7 @@ def panel(name: str, done: run.Run, t: float) -> Image.Image:
 
 
 def frames(runs: dict[str, run.Run], count: int) -> Iterator[Image.Image]:
-    """Yield all ways side by side."""
+    """Yield pictures of all planners side by side."""
     for k in range(count):
         image = Image.new("RGB", (PIXELS * len(runs), PIXELS + STRIP))
         for column, (name, done) in enumerate(runs.items()):

@@ -82,7 +82,7 @@ def part(name: str, along: float, across: float) -> Body:
 
 
 def of(name: str, bodies: tuple[Body, ...]) -> Any:
-    """Return the situation of an arm at home among bodies, which ends at rest."""
+    """Return a situation whose arm starts at home among bodies and ends at rest."""
     end: Any = {"end": "rest", "end_by": 2.0 * HORIZON, "format": FORMAT}
     return Situation(name, HORIZON, PANDA, bodies, **end)
 
@@ -138,7 +138,7 @@ class Minute:
         return [name for name in left if FIRST <= self.along(name, t) <= LAST]
 
     def near(self, t: float, gone: set[str]) -> tuple[Body, ...]:
-        """Return the parts before the arm at t [s], but for those that are gone."""
+        """Return the parts near the arm at t [s], without those that are gone."""
         left = {name: self.along(name, t) for name in self.parts if name not in gone}
         return tuple(
             part(name, along, self.parts[name][1])

@@ -57,7 +57,7 @@ class ParametricFamily:
     """Free parameters."""
 
     def __post_init__(self) -> None:
-        """Refuse what proofs do not speak of."""
+        """Refuse families that the proofs do not cover."""
         if self.middle.catch != "any" and len(self.middle.targets) > 1:
             raise FamilyError("catch", "must be 'any' where there are several targets")
         for parameter in self.parameters:
@@ -157,7 +157,7 @@ class ParametricFamily:
 
     @cached_property
     def _ignores(self) -> bool:
-        """True if obstacles are ignored, which is said by their names."""
+        """True if some obstacles are ignored; they are known by their names."""
         some = getattr(self.middle.arm, "ignore", ())
         return bool(some) or any(body.ignore for body in self.middle.bodies)
 

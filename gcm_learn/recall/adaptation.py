@@ -274,7 +274,7 @@ class HeldTries(Tries):
     ) -> tuple[int, int, Attempt | None]:
         """Find the first of some memories by which the trees meet; see `Tries`.
 
-        With a deadline some are tried at a time, and none after it.
+        With a deadline a call tries at most `SLICE` memories, and none once it has passed.
         """
         if self.problem.over:
             return -1, 0, None
