@@ -263,7 +263,7 @@ def third_situations(draw, max_bodies=3):
             situation.Body(role, str(k), draw(solid_shapes), draw(solid_motions), approach)
         )
     obstacles = [body.name for body in bodies if body.role == "obstacle"]
-    if isinstance(arm, limbs.Chain) and obstacles:
+    if arm.kind == "chain" and obstacles:
         arm = replace(arm, ignore=((arm.model.links[0].name or 0, obstacles[0]),))
     horizon = draw(st.floats(0.05, 3.0))
     version = "gcm-learn/situation@3"

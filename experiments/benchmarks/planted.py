@@ -15,7 +15,7 @@ import numpy as np
 
 from gcm_learn import seeding, solve
 from gcm_learn.arms import Chain, ChainModel
-from gcm_learn.arms.chain import ChainJoint, Hand, Link
+from gcm_learn.arms.chain_model import ChainJoint, Hand, Link
 from gcm_learn.families.chain.measured import cloud_of, mesh_of
 from gcm_learn.families.chain.stage import Stage, stage_of
 from gcm_learn.families.space.solids import axes_along, solid, triple, unit_vector

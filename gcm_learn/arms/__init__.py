@@ -3,17 +3,15 @@
 from typing import TYPE_CHECKING
 
 from gcm_learn import late
-from gcm_learn.arms.chain import (
-    FROM_MODEL as FROM_MODEL,
+from gcm_learn.arms.chain import FROM_MODEL as FROM_MODEL, Chain as Chain
+from gcm_learn.arms.chain_limb import ChainLimb as ChainLimb, limb_of_chain as limb_of_chain
+from gcm_learn.arms.chain_model import (
     JOINT_TYPES as JOINT_TYPES,
-    Chain as Chain,
     ChainJoint as ChainJoint,
     ChainModel as ChainModel,
     Hand as Hand,
     Link as Link,
-    unknown_obstacle as unknown_obstacle,
 )
-from gcm_learn.arms.chain_limb import ChainLimb as ChainLimb, limb_of_chain as limb_of_chain
 from gcm_learn.arms.followers import Follows as Follows
 from gcm_learn.arms.kinds import (
     CHAIN as CHAIN,
@@ -48,6 +46,8 @@ from gcm_learn.arms.planar_limb import (
     planar_limb_of as planar_limb_of,
 )
 from gcm_learn.arms.rotations import (
+    IDENTITY as IDENTITY,
+    Base as Base,
     quaternion_of as quaternion_of,
     rotation_of as rotation_of,
     rotations_of as rotations_of,
@@ -55,14 +55,12 @@ from gcm_learn.arms.rotations import (
     unit_quaternion as unit_quaternion,
 )
 from gcm_learn.arms.spatial import (
-    IDENTITY as IDENTITY,
+    AXES as AXES,
     JOINTS as JOINTS,
     OTHER_ARMS as OTHER_ARMS,
-    Base as Base,
     SpatialArm as SpatialArm,
 )
 from gcm_learn.arms.spatial_limb import (
-    as_chain as as_chain,
     inverse_in_space as inverse_in_space,
     spatial_limb_of as spatial_limb_of,
     swivel_in_space as swivel_in_space,

@@ -14,7 +14,7 @@ from gcm_learn.arms.curves import rate_of, turn_of
 from gcm_learn.compiled import njit
 
 if TYPE_CHECKING:
-    from gcm_learn.arms.chain import ChainModel
+    from gcm_learn.arms.chain_model import ChainModel
 
 REVOLUTE, PRISMATIC = 0.0, 1.0
 

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from gcm_learn.arms import swivels
-from gcm_learn.arms.chain import Chain, ChainModel
+from gcm_learn.arms.chain import Chain
 from gcm_learn.arms.chain_frames import (
     PRISMATIC,
     REVOLUTE,
@@ -29,6 +29,7 @@ from gcm_learn.arms.chain_frames import (
     travel_of,
     tree_of,
 )
+from gcm_learn.arms.chain_model import ChainModel
 from gcm_learn.arms.curves import on_curve, rate_of
 from gcm_learn.arms.link_gaps import balls_about, nearest_pair
 from gcm_learn.arms.rotations import frame_along, rotation_of

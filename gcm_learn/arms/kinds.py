@@ -35,6 +35,8 @@ class Kind:
         Limb of an arm and the names of a situation's bodies.
     formats : tuple of str
         Formats of situations that hold such arms, the default first.
+    general : Kind, optional
+        Kind of which this is a special case; its entries serve where a table has none for this one.
     """
 
     name: str
@@ -43,6 +45,7 @@ class Kind:
     limb: type[Any]
     pack: Callable[[Any, tuple[str, ...]], Any]
     formats: tuple[str, ...]
+    general: Kind | None = None
 
 
 PLANAR = Kind(
@@ -53,14 +56,6 @@ PLANAR = Kind(
     lambda arm, bodies: planar_limb_of(arm),
     ("gcm-learn/situation@1",),
 )
-SPATIAL = Kind(
-    "spatial",
-    "spatial arms",
-    SpatialArm,
-    ChainLimb,
-    spatial_limb_of,
-    ("gcm-learn/situation@2", "gcm-learn/situation@3", "gcm-learn/situation@4"),
-)
 CHAIN = Kind(
     "chain",
     "chains",
@@ -68,6 +63,15 @@ CHAIN = Kind(
     ChainLimb,
     limb_of_chain,
     ("gcm-learn/situation@3", "gcm-learn/situation@4"),
+)
+SPATIAL = Kind(
+    "spatial",
+    "spatial arms",
+    SpatialArm,
+    ChainLimb,
+    spatial_limb_of,
+    ("gcm-learn/situation@2", "gcm-learn/situation@3", "gcm-learn/situation@4"),
+    general=CHAIN,
 )
 
 _BY_ARM: dict[type, Kind] = {}
@@ -80,7 +84,7 @@ def register_kind(kind: Kind) -> None:
     _BY_TYPE[kind.arm] = _BY_TYPE[kind.limb] = kind
 
 
-for _kind in (PLANAR, SPATIAL, CHAIN):
+for _kind in (PLANAR, SPATIAL, CHAIN):  # chains last: the kind of their limbs
     register_kind(_kind)
 
 
@@ -157,7 +161,7 @@ class ByKind(Generic[Entry]):
 
     def takes(self, subject: Any) -> bool:
         """Return whether there is an entry for an arm, situation or kind."""
-        return self._default is not None or kind_of(subject) in self._entries
+        return self._entry(kind_of(subject)) is not None
 
     def of(self, subject: Any) -> Entry:
         """Return the entry for a kind, or for the kind of an arm, situation, limb or scene.
@@ -168,12 +172,17 @@ class ByKind(Generic[Entry]):
             If the kind has no entry.
         """
         kind = kind_of(subject)
-        entry = self._entries.get(kind, self._default)
+        entry = self._entry(kind)
         if entry is None:
             asked = hasattr(subject, "bodies") and hasattr(subject, "name")
             where = f" (situation {subject.name!r})" if asked else ""
             raise ArmKindError(f"{self.who} does not take {kind.plural}{where}")
         return entry
+
+    def _entry(self, kind: Kind) -> Entry | None:
+        """Return the entry of a kind, or of the kind of which it is a special case."""
+        known = kind if kind in self._entries or kind.general is None else kind.general
+        return self._entries.get(known, self._default)
 
     def __iter__(self) -> Iterator[Kind]:
         return iter(self._entries)

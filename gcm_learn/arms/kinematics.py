@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from gcm_learn.arms.chain import Chain
+from gcm_learn.arms.chain_limb import place_axes
 from gcm_learn.arms.kinds import kind_of
 from gcm_learn.arms.limbs import axis_of, hand_of, jacobian, link, link_count, place
 from gcm_learn.arms.rotations import rotation_of
@@ -118,6 +119,7 @@ def hand_frame(arm: Chain, joints: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """
     limb = kind_of(arm).pack(arm, ())
     place(limb, joints)
+    place_axes(limb, joints)
     frame = limb.frames[limb.carriers[-1]]
     return frame[:9].reshape(3, 3), frame[9:]
 

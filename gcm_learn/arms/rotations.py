@@ -1,14 +1,15 @@
-"""Rotations as matrices and as unit quaternions (w, x, y, z)."""
+"""Rotations as matrices and as unit quaternions (w, x, y, z); poses of bases."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from gcm_learn.checks import UNIT_TOLERANCE, unit_vector
+from gcm_learn.checks import UNIT_TOLERANCE, put, unit_vector, vector
 
 ROUNDING = 1e-15
 """A quaternion this near to length 1 stays as it is, so that normalising twice changes nothing."""
@@ -95,3 +96,27 @@ def frame_along(axis: np.ndarray) -> np.ndarray:
     first = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
     first /= np.linalg.norm(first)
     return np.stack([first, np.cross(axis, first), axis], axis=1)
+
+
+@dataclass(frozen=True)
+class Base:
+    """Pose of an arm's base in the world.
+
+    Parameters
+    ----------
+    origin : (3,) tuple of float
+        Position of the base, which is the shoulder of a spatial arm.
+    rotation : (4,) tuple of float
+        Unit quaternion (w, x, y, z), base to world; normalised.
+    """
+
+    origin: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    rotation: tuple[float, float, float, float] = (1.0, 0.0, 0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        """Check the documented shapes and normalise the rotation."""
+        put(self, "origin", vector(self.origin, "origin", 3))
+        put(self, "rotation", unit_quaternion(self.rotation, "rotation"))
+
+
+IDENTITY = Base()

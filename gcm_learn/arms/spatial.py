@@ -1,13 +1,15 @@
-"""The arm in space: two bones, a shoulder that turns about two axes, a forearm about two more."""
+"""The arm in space: a chain of two bones, a shoulder of two joints and an elbow of two more."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import ClassVar
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
+from typing import Any, ClassVar
 
-from gcm_learn.arms.rotations import unit_quaternion
-from gcm_learn.arms.starts import Start, started
+from gcm_learn.arms.chain import Chain, Start, started
+from gcm_learn.arms.chain_model import ChainJoint, ChainModel, Hand, Link
+from gcm_learn.arms.rotations import IDENTITY, Base
 from gcm_learn.checks import (
     in_ranges,
     non_negative,
@@ -25,35 +27,21 @@ OTHER_ARMS = "an arm with any other joints is a chain (gcm-learn/arm@1)"
 """End of messages to arms that fit no other kind."""
 RATES = Start("joint_rates", "max_joint_acceleration", "fast")
 ACCELERATIONS = Start("joint_accelerations", "max_joint_jerk", "large")
+AXES = ((0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (0.0, 0.0, 1.0))
+"""Axes of the joints, each in the frame of the joint before."""
+_NAMES = ("shoulder_pitch", "shoulder_roll", "elbow_yaw", "elbow_roll")
 
 
-@dataclass(frozen=True)
-class Base:
-    """Pose of a spatial arm's shoulder in the world.
+class Bone(Link):
+    """A link that may have no thickness."""
 
-    Parameters
-    ----------
-    origin : (3,) tuple of float
-        Position of the shoulder.
-    rotation : (4,) tuple of float
-        Unit quaternion (w, x, y, z), base to world; normalised.
-    """
-
-    origin: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    rotation: tuple[float, float, float, float] = (1.0, 0.0, 0.0, 0.0)
-
-    def __post_init__(self) -> None:
-        """Check the documented shapes and normalise the rotation."""
-        put(self, "origin", vector(self.origin, "origin", 3))
-        put(self, "rotation", unit_quaternion(self.rotation, "rotation"))
+    def _radius(self) -> float:
+        return non_negative(self.radius, "radius")
 
 
-IDENTITY = Base()
-
-
-@dataclass(frozen=True)
-class SpatialArm:
-    """An arm of two bones and four joints in space.
+@dataclass(frozen=True, kw_only=True)
+class SpatialArm(Chain):
+    """A chain of two bones and four joints in space, whose inverse has a closed form.
 
     R_x, R_y and R_z are the rotations about an axis. In the frame of the base
     ``elbow = R_y(q1) R_z(q2) upper_arm`` and
@@ -92,16 +80,18 @@ class SpatialArm:
     upper_arm: tuple[float, float, float]
     forearm: tuple[float, float, float]
     joints: tuple[float, float, float, float]
-    joint_range: tuple[tuple[float, float], ...]
-    max_joint_speed: tuple[float, float, float, float]
+    joint_range: tuple[tuple[float, float], ...] = field()  # type: ignore[assignment]
+    max_joint_speed: tuple[float, float, float, float] = field()  # type: ignore[assignment]
     grasp: float
     base: Base = IDENTITY
     joint_rates: tuple[float, float, float, float] | None = None
     max_hand_speed: float | None = None
     max_joint_acceleration: tuple[float, float, float, float] | None = None
-    thickness: float = 0.0
+    thickness: float = 0.0  # type: ignore[misc]
     max_joint_jerk: tuple[float, float, float, float] | None = None
     joint_accelerations: tuple[float, float, float, float] | None = None
+    model: ChainModel = field(init=False, repr=False)
+    ignore: tuple[tuple[int | str, str], ...] = field(init=False, repr=False, default=())
 
     kind: ClassVar[str] = "spatial"
 
@@ -129,35 +119,56 @@ class SpatialArm:
         put(self, "joint_rates", started(self.joint_rates, RATES, self.max_joint_speed, most))
         now = self.joint_accelerations
         put(self, "joint_accelerations", started(now, ACCELERATIONS, most, jerks))
+        bones = self.upper_arm, self.forearm, self.thickness
+        put(self, "model", _model(*bones, self.joint_range, self.max_joint_speed))
 
-    @property
-    def hand_axis(self) -> tuple[float, ...]:
-        """Unit vector (3,) along the forearm, in its own frame."""
-        return tuple(part / math.hypot(*self.forearm) for part in self.forearm)
+    def thicker(self, width: float) -> SpatialArm:
+        """Return the arm with bones that are thicker by a width."""
+        return replace(self, thickness=self.thickness + width)
 
-    @property
-    def reach(self) -> float:
-        """Bound of the distance between shoulder and hand: both bones in line."""
-        return math.hypot(*self.upper_arm) + math.hypot(*self.forearm)
+    def slower(self, share: float) -> SpatialArm:
+        """Return the arm with a share of its speeds of hand and joints."""
+        speed = None if self.max_hand_speed is None else share * self.max_hand_speed
+        joints: Any = tuple(share * top for top in self.max_joint_speed)
+        return replace(self, max_hand_speed=speed, max_joint_speed=joints)
 
-    @property
-    def inner_reach(self) -> float:
-        """Bound of the same distance from below: the forearm folded back."""
-        return abs(math.hypot(*self.upper_arm) - math.hypot(*self.forearm))
+    def without_pairs(self) -> SpatialArm:
+        """Return the arm: its bones may overlap each other."""
+        return self
 
 
-def _check_count(value: object, field: str) -> None:
+@lru_cache(maxsize=64)
+def _model(
+    upper: tuple[float, float, float],
+    fore: tuple[float, float, float],
+    radius: float,
+    ranges: tuple[tuple[float, float], ...],
+    speeds: tuple[float, ...],
+) -> ChainModel:
+    """Return the chain: joints turn about y and z, then beyond the elbow about x and z."""
+    none = (0.0, 0.0, 0.0)
+    joints = tuple(
+        ChainJoint(AXES[k], pair, speed, origin=upper if k == 2 else none, name=_NAMES[k])
+        for k, (pair, speed) in enumerate(zip(ranges, speeds, strict=True))
+    )
+    length = math.hypot(*fore)
+    hand = Hand(JOINTS, fore, (fore[0] / length, fore[1] / length, fore[2] / length))
+    links = Bone(2, none, upper, radius, "upper arm"), Bone(4, none, fore, radius, "forearm")
+    return ChainModel("", joints, links, hand)
+
+
+def _check_count(value: object, name: str) -> None:
     """Refuse lists for other numbers of joints, and name the kind of arm that has them."""
     if isinstance(value, list | tuple) and len(value) != JOINTS:
         reason = f"must be a list of {JOINTS} (got {len(value)}): a spatial arm has 4 joints"
-        raise SituationError(field, f"{reason}; {OTHER_ARMS}")
+        raise SituationError(name, f"{reason}; {OTHER_ARMS}")
 
 
-def _bone(value: object, field: str) -> tuple[float, ...]:
+def _bone(value: object, name: str) -> tuple[float, ...]:
     """Return a bone's vector (3,), which has a length."""
-    result = vector(value, field, 3)
+    result = vector(value, name, 3)
     if math.hypot(*result) == 0.0:
-        raise SituationError(field, "must not have length 0")
+        raise SituationError(name, "must not have length 0")
     return result
 
 

@@ -9,11 +9,11 @@ from __future__ import annotations
 import itertools
 import math
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gcm_learn.arms.chain import Chain, ChainJoint, ChainModel, Hand, Link
 from gcm_learn.arms.chain_limb import ChainLimb, limb_of_chain
 from gcm_learn.arms.rotations import rotation_of
 from gcm_learn.arms.spatial import JOINTS, SpatialArm
@@ -29,7 +29,7 @@ ROOM = ("frames", "axes", "reaches", "balls", "near", "ways", "turns", "paces")
 
 
 def spatial_limb_of(arm: SpatialArm, bodies: tuple[str, ...] = ()) -> ChainLimb:
-    """Return a spatial arm as kernels read it."""
+    """Return a spatial arm as kernels read it; links get their radius from its thickness."""
     limb = _limb(arm.upper_arm, arm.forearm, arm.joint_range, arm.max_joint_speed)
     return limb._replace(
         start=np.array(arm.joints),
@@ -45,56 +45,21 @@ def _limb(
     upper: tuple[float, float, float],
     fore: tuple[float, float, float],
     ranges: tuple[tuple[float, float], ...],
-    speeds: tuple[float, ...],
+    speeds: tuple[float, float, float, float],
 ) -> ChainLimb:
-    """Return the limb of bones; it is kept, since one is packed for every situation.
-
-    Links get their radius from the limb's thickness.
-    """
+    """Return the limb of bones; it is kept, since one is packed for every situation."""
+    rest: Any = tuple(low for low, _ in ranges)
+    bones: Any = {
+        "upper_arm": upper,
+        "forearm": fore,
+        "joint_range": ranges,
+        "max_joint_speed": speeds,
+    }
+    limb = limb_of_chain(SpatialArm(joints=rest, grasp=0.0, **bones))
     rho, length, pole = math.hypot(*upper), math.hypot(*fore), _pole(upper, fore, ranges)
-    model = _model(upper, fore, ranges, speeds, 1.0)
-    limb = limb_of_chain(Chain(model, tuple(low for low, _ in ranges), 0.0))
     limb.balls[:, 3] = np.array([0.5 * rho, 0.5 * length]) * (1.0 + 1e-9)
     numbers = [*upper, *fore, *_TOWARDS[pole], *_ACROSS[pole], rho, length]
-    return limb._replace(radii=np.zeros(2), length=length, solved=np.array(numbers))
-
-
-def _model(
-    upper: tuple[float, float, float],
-    fore: tuple[float, float, float],
-    ranges: tuple[tuple[float, float], ...],
-    speeds: tuple[float, ...],
-    radius: float,
-) -> ChainModel:
-    """Return the chain: joints turn about y and z, then beyond the elbow about x and z."""
-    axes, none = ((0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)), (0.0,) * 3
-    joints = tuple(
-        ChainJoint(axis, pair, speed, origin=upper if k == 2 else none)
-        for k, (axis, pair, speed) in enumerate(zip(axes, ranges, speeds, strict=True))
-    )
-    length = math.hypot(*fore)
-    hand = Hand(JOINTS, fore, (fore[0] / length, fore[1] / length, fore[2] / length))
-    links = Link(2, none, upper, radius), Link(4, none, fore, radius)
-    return ChainModel("", joints, links, hand)
-
-
-def as_chain(arm: SpatialArm | Chain) -> Chain:
-    """Return the arm as a chain, whose links have a radius of their own."""
-    if isinstance(arm, Chain):
-        return arm
-    thin = 1e-9 * math.hypot(*arm.forearm)  # links of chains have a radius above zero
-    radius = max(arm.thickness, thin)
-    return Chain(
-        _model(arm.upper_arm, arm.forearm, arm.joint_range, arm.max_joint_speed, radius),
-        arm.joints,
-        arm.grasp,
-        arm.base,
-        arm.joint_rates,
-        arm.max_hand_speed,
-        arm.max_joint_acceleration,
-        max_joint_jerk=arm.max_joint_jerk,
-        joint_accelerations=arm.joint_accelerations,
-    )
+    return limb._replace(length=length, solved=np.array(numbers))
 
 
 @lru_cache(maxsize=64)

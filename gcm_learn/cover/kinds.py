@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from gcm_learn.arms import CHAIN, PLANAR, SIDE, ByKind
+from gcm_learn.arms import CHAIN, PLANAR, SIDE, ByKind, Chain
 from gcm_learn.cover.limits import (
     CATCH_SAFETY,
     LARGEST_TURN,
@@ -85,17 +85,12 @@ def _held_back(arm: Any, share: float, margin: float) -> Any:
     )
 
 
-def _chain_held_back(arm: Any, share: float, margin: float) -> Any:
+def _chain_held_back(arm: Chain, share: float, margin: float) -> Chain:
     """Return a chain that is slower and whose links are thicker.
 
     Pairs of links are left to the proof: thicker ones would touch each other at the start.
     """
-    hand, model = arm.max_hand_speed, arm.model
-    joints = tuple(replace(joint, max_speed=share * joint.max_speed) for joint in model.joints)
-    links = tuple(replace(link, radius=link.radius + margin) for link in model.links)
-    held = replace(model, joints=joints, links=links, self_collision=())
-    speed = None if hand is None else share * hand
-    return replace(arm, model=held, max_hand_speed=speed)
+    return arm.slower(share).thicker(margin).without_pairs()
 
 
 _HELD_BACK: ByKind[Callable[[Any, float, float], Any]] = ByKind(

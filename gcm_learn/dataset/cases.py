@@ -9,7 +9,7 @@ from functools import lru_cache, partial
 from typing import Any, Literal
 
 from gcm_learn import planners
-from gcm_learn.arms import CHAIN, PLANAR, SPATIAL, Arm, ByKind
+from gcm_learn.arms import CHAIN, PLANAR, Arm, ByKind
 from gcm_learn.dataset.spec import DatasetSpec
 from gcm_learn.maps import CognitiveMap, build_map
 from gcm_learn.motion import Failure
@@ -202,24 +202,32 @@ class PlanarCase(BaseCase):
         return planners.bounds(self.situation)
 
 
-class SpatialCase(BaseCase):
-    """A situation of a spatial arm; some catch stands for the earliest one."""
+class JointCase(BaseCase):
+    """A situation of an arm that moves in its joints; some catch stands for the earliest one."""
+
+    @property
+    def _several(self) -> bool:
+        return self.situation.catch != "any" and len(self.situation.targets) > 1
 
     def _begin(self) -> planners.Plan | None:
         self.problem = planners.JointProblem(self.situation, "case")
-        return self.problem.early_answer(keeps_acceleration=True, keeps_ends=True)
+        early = self.problem.early_answer(keeps_acceleration=True, keeps_ends=True)
+        untaken = early is not None and early.failure is Failure.SEVERAL_UNTAKEN
+        return None if untaken else early
 
     def _caught_straight(self) -> bool:
-        """Return whether a straight line to any interception catches."""
+        """Return whether a straight line catches, of several targets by the planner only."""
         if self.plan("straight").caught:
             return True
-        if self.problem.accelerates:
+        if self._several or self.problem.accelerates:
             return False
         return self._early is None and planners.any_straight(self.problem, INSTANTS).caught
 
     def _caught_without_waiting(self) -> bool:
-        """Return whether the persistent planner needs no rest for its catch."""
+        """Return whether the persistent planner needs no rest for its catches."""
         plan = self.plan(self.spec.persistent)
+        if self._several:
+            return plan.trajectory is not None and not plan.trajectory.rests
         if plan.trajectory is None or not plan.trajectory.until(plan.catch_time).rests:  # type: ignore[arg-type]
             return plan.caught
         return planners.without_waits(self.problem, plan) is not None
@@ -237,32 +245,4 @@ class SpatialCase(BaseCase):
         return planners.yardstick(self.situation, 0.0, earliest=False)
 
 
-class ChainCase(SpatialCase):
-    """A situation of a chain, of which several targets may have to be caught."""
-
-    @property
-    def _several(self) -> bool:
-        return self.situation.catch != "any" and len(self.situation.targets) > 1
-
-    def _begin(self) -> planners.Plan | None:
-        early = super()._begin()
-        untaken = early is not None and early.failure is Failure.SEVERAL_UNTAKEN
-        return None if untaken else early
-
-    def _caught_straight(self) -> bool:
-        """Return whether straight lines catch; of several targets those that the planner finds."""
-        if self._several:
-            return self.plan("straight").caught
-        return super()._caught_straight()
-
-    def _caught_without_waiting(self) -> bool:
-        """Return whether the persistent planner needs no rest for its catches."""
-        if not self._several:
-            return super()._caught_without_waiting()
-        moves = self.plan(self.spec.persistent).trajectory
-        return moves is not None and not moves.rests
-
-
-CASES: ByKind[type[BaseCase]] = ByKind(
-    {PLANAR: PlanarCase, SPATIAL: SpatialCase, CHAIN: ChainCase}, who="dataset"
-)
+CASES: ByKind[type[BaseCase]] = ByKind({PLANAR: PlanarCase, CHAIN: JointCase}, who="dataset")

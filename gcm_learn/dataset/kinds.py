@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -74,7 +74,7 @@ def hand_path(arm: Arm, cells: Mapping[str, Any]) -> Movement:
     return Movement.of_hand(arm, time, hand.reshape(-1, 2))
 
 
-def joint_path(arm: SpatialArm | Chain, cells: Mapping[str, Any]) -> Movement:
+def joint_path(arm: Chain, cells: Mapping[str, Any]) -> Movement:
     """Return the joint movement in the cells of a plan."""
     time, joints = (np.asarray(cells[name], dtype=float) for name in ("time", "joints"))
     rates, dof = cells["rates"], len(arm.joints)
@@ -226,6 +226,25 @@ class RecordKind:
     """True if a plan may have several catches."""
 
 
+_CHAIN = RecordKind(
+    version="gcm-learn/record@3",
+    plan=CHAIN_PLAN,
+    base=BASE,
+    path_cells=joint_cells,
+    path=joint_path,
+    frame=spatial_frame,
+    word=chain_word,
+    numbers=chain_numbers,
+    forearm=chain_reach,
+    sizes=chain_sizes,
+    persistent="search",
+    map=MAP_IN_SPACE,
+    engines=("marching",),
+    largest=COARSE,
+    efforts=True,
+    oracle=False,
+    several=True,
+)
 RECORDS = ByKind(
     {
         PLANAR: RecordKind(
@@ -245,42 +264,18 @@ RECORDS = ByKind(
             largest=LARGEST_LATTICE,
             efforts=False,
         ),
-        SPATIAL: RecordKind(
+        SPATIAL: replace(
+            _CHAIN,
             version="gcm-learn/record@2",
             plan=JOINT_PLAN,
-            base=BASE,
-            path_cells=joint_cells,
-            path=joint_path,
-            frame=spatial_frame,
             word=spatial_word,
             numbers=spatial_numbers,
             forearm=spatial_forearm,
             sizes=spatial_sizes,
-            persistent="search",
-            map=MAP_IN_SPACE,
-            engines=("marching",),
-            largest=COARSE,
-            efforts=True,
+            oracle=True,
+            several=False,
         ),
-        CHAIN: RecordKind(
-            version="gcm-learn/record@3",
-            plan=CHAIN_PLAN,
-            base=BASE,
-            path_cells=joint_cells,
-            path=joint_path,
-            frame=spatial_frame,
-            word=chain_word,
-            numbers=chain_numbers,
-            forearm=chain_reach,
-            sizes=chain_sizes,
-            persistent="search",
-            map=MAP_IN_SPACE,
-            engines=("marching",),
-            largest=COARSE,
-            efforts=True,
-            oracle=False,
-            several=True,
-        ),
+        CHAIN: _CHAIN,
     },
     who="dataset",
 )

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from gcm_learn import artifacts
-from gcm_learn.arms import PLANAR, SPATIAL, ByKind, kind_of
+from gcm_learn.arms import PLANAR, ByKind, kind_of
 from gcm_learn.errors import SuiteError
 from gcm_learn.evaluation.conditions import after
 from gcm_learn.evaluation.entrants import WORDS, Answer
@@ -28,7 +28,7 @@ CLAIMS = ("caught", "declined", "start_blocked")
 OURS = "results"  # folder among the data
 _POINTS = 101  # of a path, among which an extreme one is found
 _UNIT = ByKind(
-    {PLANAR: lambda arm: 1.0, SPATIAL: lambda arm: float(np.linalg.norm(arm.forearm))},
+    {PLANAR: lambda arm: 1.0},
     default=lambda arm: float(kind_of(arm).pack(arm, ()).length),
 )
 """Length that counts as 1 in sheets, in the unit of the arm."""

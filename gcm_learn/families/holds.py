@@ -7,12 +7,12 @@ from typing import TypeVar
 
 import numpy as np
 
-from gcm_learn.arms import Chain, SpatialArm
+from gcm_learn.arms import Chain
 from gcm_learn.families.family import TINY
 from gcm_learn.families.ranges import Range, Ranges, number, pick, span
 from gcm_learn.situation import Body, Hold, Margin, Situation, SolidQuadratic, with_end
 
-SituationT = TypeVar("SituationT", bound=Situation[Chain] | Situation[SpatialArm])
+SituationT = TypeVar("SituationT", bound=Situation[Chain])
 
 
 @dataclass(frozen=True)

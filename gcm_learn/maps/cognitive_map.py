@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -43,6 +43,11 @@ def _space(header: dict[str, Any]) -> HandLattice:
     return HandLattice(SpatialArm(**arm), header["n"])
 
 
+def _space_header(chart: HandLattice) -> dict[str, Any]:
+    given = asdict(chart.arm)
+    return {"n": chart.n, "arm": {f.name: given[f.name] for f in fields(chart.arm) if f.init}}
+
+
 def _chain_header(chart: HandLattice) -> dict[str, Any]:
     arm = chart.arm
     given = {"joints": arm.joints, "grasp": arm.grasp, "base": asdict(arm.base)}
@@ -66,7 +71,7 @@ MAPS = ByKind(
         ),
         SPATIAL: MapKind(
             "gcm-learn/map@2",
-            lambda chart: {"n": chart.n, "arm": asdict(chart.arm)},
+            _space_header,
             _space,
             lambda arm, chart: chart.hand,
             IN_SPACE,

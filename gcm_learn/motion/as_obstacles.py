@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from gcm_learn.arms import CHAIN, SPATIAL, ByKind, Chain, SpatialArm, links_along
+from gcm_learn.arms import CHAIN, ByKind, Chain, links_along
 from gcm_learn.motion.movement import Movement
 from gcm_learn.situation import Body, Capsule, Sampled, SolidQuadratic, Sphere
 
@@ -168,12 +168,4 @@ def _of_chain(arm: Chain) -> tuple[np.ndarray, np.ndarray]:
     return np.array(found), np.abs(arm.model.factors)
 
 
-def _of_spatial(arm: SpatialArm) -> tuple[np.ndarray, np.ndarray]:
-    """Return the same for both bones, whose points are no farther than the arm is long."""
-    length = math.hypot(*arm.upper_arm) + math.hypot(*arm.forearm)
-    return np.array([np.full((2, 4), [[length], [1.0]])] * 2), np.eye(4)
-
-
-_LEVERS: ByKind[Callable[[Any], tuple[np.ndarray, np.ndarray]]] = ByKind(
-    {CHAIN: _of_chain, SPATIAL: _of_spatial}
-)
+_LEVERS: ByKind[Callable[[Any], tuple[np.ndarray, np.ndarray]]] = ByKind({CHAIN: _of_chain})

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from gcm_learn.arms import Chain, Hand, Link, as_chain, hand_frame, hands_along
+from gcm_learn.arms import Chain, Hand, Link, hand_frame, hands_along
 from gcm_learn.motion.failures import Failure
 from gcm_learn.motion.movement import SAME, Movement
 from gcm_learn.motion.rules import rules_of
@@ -43,7 +43,7 @@ def _gripped(
     poses = np.zeros((len(situation.bodies), 12))
     poses[index, 3:] = np.eye(3).ravel()  # spheres leave it so
     pose_at(pack_bodies(situation, max(situation.horizon, held)), index, held, poses)
-    turn, origin = hand_frame(as_chain(situation.arm), joints)
+    turn, origin = hand_frame(situation.arm, joints)
     return turn.T @ (poses[index, :3] - origin), turn.T @ poses[index, 3:].reshape(3, 3)
 
 
@@ -60,15 +60,14 @@ def carrier(situation: Situation[Any], index: int, joints: np.ndarray, held: flo
     held : float
         When that is [s].
     """
-    arm, target = as_chain(situation.arm), situation.bodies[index]
+    arm, target = situation.arm, situation.bodies[index]
     centre, axes = _gripped(situation, index, joints, held)
     half, radius = capsule_of(target.shape)
     half = axes @ half
     joint = arm.model.hand.joint
     link = Link(joint, tuple(centre - half), tuple(centre + half), radius, LINK)
     hand = Hand(joint, tuple(centre), arm.model.hand.axis)
-    model = replace(arm.model, links=(*arm.model.links, link), hand=hand)
-    return replace(arm, model=model)
+    return arm.with_model(replace(arm.model, links=(*arm.model.links, link), hand=hand))
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from gcm_learn import arms
-from gcm_learn.arms import CHAIN, IDENTITY, PLANAR, SPATIAL, ByKind, elbow_of, off_segment
+from gcm_learn.arms import CHAIN, IDENTITY, PLANAR, ByKind, elbow_of, off_segment
 from gcm_learn.collision import segment_distance
 from gcm_learn.motion.failures import Failure, Reason
 from gcm_learn.motion.movement import Movement
@@ -105,7 +105,6 @@ def _bone(arm: Any, i: int) -> str:
 _KINDS = ByKind(
     {
         PLANAR: _LinkKind(_bone, _planar_links),
-        SPATIAL: _LinkKind(_bone),
         CHAIN: _LinkKind(lambda arm, i: str(arm.model.named(i))),
     },
     default=_LinkKind(lambda arm, i: f"link {i}", itself=True),

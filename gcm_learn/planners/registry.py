@@ -6,17 +6,17 @@ import pkgutil
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
-from typing import Any, TypeVar, cast, overload
+from typing import Any, TypeVar, cast
 from weakref import WeakValueDictionary
 
-from gcm_learn.arms import PLANAR, SPATIAL, ByKind, Kind, SpatialArm
+from gcm_learn.arms import PLANAR, SPATIAL, ByKind, Kind
 from gcm_learn.errors import UnknownNameError
 from gcm_learn.planners.names import all_planner_names, is_registered
 from gcm_learn.planners.outside import LIMIT, Outside
 from gcm_learn.planners.plan import Anytime, Deadline, Plan, Planner, taken
 from gcm_learn.planners.references import acts, found, instance, name_of
 from gcm_learn.planners.stages import Staged
-from gcm_learn.situation import AnySituation, Situation
+from gcm_learn.situation import AnySituation
 
 _PLANNERS: dict[str, str | ByKind[str]] = {
     "gcm": "fronts:gcm",
@@ -132,10 +132,6 @@ def _outside(given: Any, name: str, limit: float | None) -> Planner:
     return Outside(made, name, limit)
 
 
-@overload
-def solve(situation: Situation, planner: str | Any = "search") -> Plan: ...
-@overload
-def solve(situation: Situation[SpatialArm], planner: str | Any = "search") -> Plan: ...
 def solve(situation: AnySituation, planner: str | Any = "search") -> Plan:
     """Plan a catch and verify it.
 

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import Any
 
-from gcm_learn.arms import CHAIN, SPATIAL, ByKind, Chain, SpatialArm
+from gcm_learn.arms import CHAIN, Kind
 from gcm_learn.motion import Failure, fastest_hand, start_clearance
 from gcm_learn.planners.completion import JointProblem
 from gcm_learn.planners.outside import judged_anew
@@ -52,34 +51,6 @@ class Tube:
         return Tube(self.still * unit, self.per_speed * unit)
 
 
-class Easing(NamedTuple):
-    """Functions of an arm that plans with clearance about it."""
-
-    thicker: Callable[[Any, float], Any]
-    """Return an arm whose limb is thicker by a width: (arm, width)."""
-    bare: Callable[[Any], Any]
-    """Return an arm whose links may overlap each other."""
-
-
-def _thicker(arm: SpatialArm, width: float) -> SpatialArm:
-    return replace(arm, thickness=arm.thickness + width)
-
-
-def _thicker_links(arm: Chain, width: float) -> Chain:
-    links = tuple(replace(link, radius=link.radius + width) for link in arm.model.links)
-    return replace(arm, model=replace(arm.model, links=links))
-
-
-def _without_pairs(arm: Chain) -> Chain:
-    return replace(arm, model=replace(arm.model, self_collision=()))
-
-
-_EASINGS = ByKind(
-    {SPATIAL: Easing(_thicker, lambda arm: arm), CHAIN: Easing(_thicker_links, _without_pairs)},
-    who="a tube",
-)
-
-
 @dataclass(frozen=True)
 class InTube:
     """Lets a planner plan for a thicker, slower arm with a smaller grasp; answers for the real one.
@@ -97,7 +68,9 @@ class InTube:
     planner: Any
     tube: Tube
 
-    takes = staticmethod(_EASINGS.takes)
+    def takes(self, kind: Kind) -> bool:
+        """Return whether arms of a kind can be thickened: chains."""
+        return CHAIN in (kind, kind.general)
 
     @property
     def name(self) -> str:
@@ -106,14 +79,13 @@ class InTube:
 
     def plan(self, situation: AnySituation) -> Plan:
         """Answer a situation."""
-        easing = _EASINGS.of(situation)
         problem = JointProblem(situation, self.name)
         early = problem.early_answer(keeps_acceleration=True, keeps_ends=True)
         if early is not None:
             return early
         top = fastest_hand(problem.scene)
         for hurry in HURRIES:
-            plan = self.planner.plan(self._eased(problem, easing, hurry * top))
+            plan = self.planner.plan(self._eased(problem, hurry * top))
             if plan.trajectory is None:
                 continue
             moves = replace(plan.trajectory, arm=situation.arm)
@@ -123,20 +95,20 @@ class InTube:
                 return replace(found, clearance=clearance)
         return problem.answer(Failure.NO_INTERCEPTION)
 
-    def _eased(self, problem: Any, easing: Easing, speed: float) -> Situation[Any]:
+    def _eased(self, problem: Any, speed: float) -> Situation[Any]:
         """The situation with an arm that needs the tube's clearance.
 
         Its links may overlap each other if they did at the start: the plan is verified anyway.
         """
         situation, width = problem.situation, self.tube.at(speed)
         arm = situation.arm
-        clear = start_clearance(pack(replace(situation, arm=easing.bare(arm))))
+        clear = start_clearance(pack(replace(situation, arm=arm.without_pairs())))
         eased = replace(
-            easing.thicker(arm, min(width, START * clear)),
+            arm.thicker(min(width, START * clear)),
             grasp=max(arm.grasp - width, GRASP * arm.grasp),
             max_hand_speed=speed,
         )
         made = replace(situation, arm=eased)
         if start_clearance(pack(made)) > 0.0:
             return made
-        return replace(made, arm=easing.bare(eased))
+        return replace(made, arm=eased.without_pairs())

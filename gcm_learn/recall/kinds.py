@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -73,6 +73,27 @@ def _joints_and_times(arm: Any) -> int:
     return len(arm.joints) + 2
 
 
+_CHAIN = MemoryKind(
+    format="gcm-learn/memory@3",
+    knots=(joint_moves.KNOTS, 0),
+    columns=_joints_and_times,
+    goal=GOAL,
+    waypoints_of=joint_waypoints,
+    raw_features=chain_raw_features,
+    features=joint_features.posture_features,
+    path_features=joint_path_features,
+    in_joints=True,
+    map_of=coarse_map,
+    map_features=joint_map_features,
+    problem=planners.JointProblem,
+    straight=adaptation.straight_in_joints,
+    early_answer=adaptation.early_answer_in_space,
+    tries=adaptation.tries_in_joints,
+    pool=4,
+    penalty=1.0,
+    lesson=Sizes(192, 40, 20, 6),  # a try costs tens of times as much
+    shipped="recall-panda",
+)
 MEMORIES = ByKind(
     {
         PLANAR: MemoryKind(
@@ -96,48 +117,15 @@ MEMORIES = ByKind(
             lesson=Sizes(),
             shipped="recall",
         ),
-        SPATIAL: MemoryKind(
+        SPATIAL: replace(
+            _CHAIN,
             format="gcm-learn/memory@2",
             knots=(joint_moves.KNOTS, 6),
-            columns=_joints_and_times,
-            goal=GOAL,
-            waypoints_of=joint_waypoints,
             raw_features=joint_raw_features,
-            features=joint_features.posture_features,
-            path_features=joint_path_features,
-            in_joints=True,
-            map_of=coarse_map,
-            map_features=joint_map_features,
-            problem=planners.JointProblem,
-            straight=adaptation.straight_in_joints,
-            early_answer=adaptation.early_answer_in_space,
-            tries=adaptation.tries_in_joints,
-            pool=4,
-            penalty=1.0,
             lesson=Sizes(),
             shipped="recall-space",
         ),
-        CHAIN: MemoryKind(
-            format="gcm-learn/memory@3",
-            knots=(joint_moves.KNOTS, 0),
-            columns=_joints_and_times,
-            goal=GOAL,
-            waypoints_of=joint_waypoints,
-            raw_features=chain_raw_features,
-            features=joint_features.posture_features,
-            path_features=joint_path_features,
-            in_joints=True,
-            map_of=coarse_map,
-            map_features=joint_map_features,
-            problem=planners.JointProblem,
-            straight=adaptation.straight_in_joints,
-            early_answer=adaptation.early_answer_in_space,
-            tries=adaptation.tries_in_joints,
-            pool=4,
-            penalty=1.0,
-            lesson=Sizes(192, 40, 20, 6),  # a try costs tens of times as much
-            shipped="recall-panda",
-        ),
+        CHAIN: _CHAIN,
     },
     who="memory",
 )

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gcm_learn.arms import Chain, SpatialArm
+from gcm_learn.arms import Chain
 from gcm_learn.rendering.camera import Camera, Faces, Window, camera_from, render
 from gcm_learn.scene import pack_bodies, poses_at
 from gcm_learn.situation import Body, Box, Situation, arm_frame
@@ -43,7 +43,7 @@ def time_colours(shares: ArrayLike) -> np.ndarray:
     return np.stack([np.interp(step, marks, channel) for channel in wanted.T], axis=-1)
 
 
-JointSituation = Situation[SpatialArm] | Situation[Chain]
+JointSituation = Situation[Chain]
 """Situation among solids whose arm moves in its joints."""
 LEVEL = 1e-6  # largest sine of the slope of a ground
 

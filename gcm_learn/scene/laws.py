@@ -251,7 +251,7 @@ LAWS: dict[type, PackedLaw] = {
 }
 
 
-AnyKind = TypeVar("AnyKind", Situation[arms.Arm], Situation[arms.SpatialArm], Situation[arms.Chain])
+AnyKind = TypeVar("AnyKind", Situation[arms.Arm], Situation[arms.Chain])
 
 
 def later(

@@ -81,7 +81,6 @@ from gcm_learn.situation.situation import (
     Plane as Plane,
     Situation as Situation,
     planar as planar,
-    spatial as spatial,
     with_end as with_end,
 )
 from gcm_learn.situation.spatial_frame import (

@@ -226,8 +226,9 @@ def _members(arm: Any, absent: Collection[str]) -> dict[str, Any]:
 
 
 _READ: arms.ByKind[ArmReader] = arms.ByKind(
-    {arms.PLANAR: _planar, arms.CHAIN: _chain}, default=_on_base
+    {arms.PLANAR: _planar, arms.SPATIAL: _on_base, arms.CHAIN: _chain}, default=_on_base
 )
 _WRITE: arms.ByKind[Callable[[Any, Collection[str]], dict[str, Any]]] = arms.ByKind(
-    {arms.PLANAR: json_records.members_of, arms.CHAIN: _chain_members}, default=_members
+    {arms.PLANAR: json_records.members_of, arms.SPATIAL: _members, arms.CHAIN: _chain_members},
+    default=_members,
 )

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from gcm_learn import arms
+from gcm_learn.checks import quote
 from gcm_learn.errors import SituationError
 from gcm_learn.situation.body import Body
 
@@ -19,9 +20,9 @@ ROUNDING = 1e-9
 """Angle by which two approaches may contradict each other [rad]."""
 CHECKED = ("gcm-learn/situation@3", "gcm-learn/situation@4")
 """Formats in which the hand's speed at t = 0 is checked."""
+_SPATIAL = ("joint_rates", "max_joint_jerk", "joint_accelerations")
 _NAMES = arms.ByKind(
-    {arms.CHAIN: ("rates", "max_jerk", "accelerations")},
-    default=("joint_rates", "max_joint_jerk", "joint_accelerations"),
+    {arms.CHAIN: ("rates", "max_jerk", "accelerations"), arms.SPATIAL: _SPATIAL}, default=_SPATIAL
 )
 """Names in files of rates at t = 0, limits of jerk and accelerations at t = 0."""
 
@@ -48,7 +49,7 @@ def check_start(arm: Any, bodies: Sequence[Body], version: str) -> None:
 
 def _check_obstacle(name: str, bodies: Sequence[Body], field: str) -> None:
     if not any(body.name == name and body.role == "obstacle" for body in bodies):
-        raise SituationError(field, arms.unknown_obstacle(name))
+        raise SituationError(field, f"{quote(name)} is not the name of an obstacle")
 
 
 def check_asked(arm: Any, bodies: Sequence[Body], end: str) -> None:
@@ -100,7 +101,7 @@ def newer_of_arm(arm: Any) -> Iterator[str]:
 
 
 def _jerk_of_model(arm: Any) -> tuple[float, ...] | None:
-    if not isinstance(arm, arms.Chain):
+    if arms.kind_of(arm) is not arms.CHAIN:
         return None
     jerk: tuple[float, ...] | None = with_jerk_of_model(arm).max_joint_jerk
     return jerk

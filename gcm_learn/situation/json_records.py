@@ -203,7 +203,11 @@ def layout_of(record: type) -> RecordLayout:
 
 def _layout(record: Any) -> RecordLayout:
     renamed = RENAMED.get(record, _NONE)
-    fields = dataclasses.fields(record)
+    own = list(record.__annotations__)  # a record that extends another has an order of its own
+    fields = sorted(
+        (field for field in dataclasses.fields(record) if field.init),
+        key=lambda field: own.index(field.name),
+    )
     attributes = {renamed.names.get(field.name, field.name): field.name for field in fields}
     required = [
         renamed.names.get(field.name, field.name)

@@ -59,9 +59,7 @@ class Plane:
 if TYPE_CHECKING:
     from typing_extensions import TypeVar  # a default makes a plain `Situation` one of the plane
 
-    ArmKind = TypeVar(
-        "ArmKind", bound=arms.Arm | arms.SpatialArm | arms.Chain, default=arms.Arm, covariant=True
-    )
+    ArmKind = TypeVar("ArmKind", bound=arms.Arm | arms.Chain, default=arms.Arm, covariant=True)
 else:
     from typing import TypeVar
 
@@ -222,7 +220,7 @@ class Situation(Generic[ArmKind]):
         return isinstance(self.arm, arms.SpatialArm)
 
 
-AnySituation = Situation[arms.Arm] | Situation[arms.SpatialArm] | Situation[arms.Chain]
+AnySituation = Situation[arms.Arm] | Situation[arms.Chain]
 
 
 def planar(situation: AnySituation, who: str) -> Situation[arms.Arm]:
@@ -244,18 +242,6 @@ def planar(situation: AnySituation, who: str) -> Situation[arms.Arm]:
     raise ArmKindError(f"{who} does not take {plural} (situation {name})")
 
 
-def spatial(situation: AnySituation, who: str) -> Situation[arms.SpatialArm]:
-    """Return the situation, if its arm is spatial; see `planar`.
-
-    Raises
-    ------
-    ArmKindError
-    """
-    if isinstance(situation.arm, arms.SpatialArm):
-        return situation
-    raise ArmKindError(f"{who} takes spatial arms only (situation {checks.quote(situation.name)})")
-
-
 def with_end(situation: Situation[Any], end: str) -> Situation[Any]:
     """Return the situation with another end, in the newest format of its arm.
 
@@ -272,7 +258,7 @@ def with_end(situation: Situation[Any], end: str) -> Situation[Any]:
         If the arm is to rest, but has no limits of acceleration; the situation is named.
     """
     arm, newest = situation.arm, arms.kind_of(situation).formats[-1]
-    if situation.format != newest and isinstance(arm, arms.Chain):
+    if situation.format != newest and arms.kind_of(arm) is arms.CHAIN:
         arm = with_jerk_of_model(arm)
     try:
         return replace(situation, arm=arm, end=end, format=newest)

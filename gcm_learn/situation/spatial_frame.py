@@ -135,9 +135,7 @@ def canonical_on_base(situation: Situation[Chain]) -> tuple[Situation[Chain], Sp
     return replace(situation, arm=arm, bodies=bodies), SpatialFrame(situation.arm.base)
 
 
-def _in_base(
-    situation: Situation[SpatialArm] | Situation[Chain], *, mirrored: bool
-) -> Iterator[Body]:
+def _in_base(situation: Situation[Chain], *, mirrored: bool) -> Iterator[Body]:
     """Yield the bodies in the frame of the base, or as its mirror shows them."""
     rows, origin = arm_frame(situation)
     turn = rows * _MIRROR[:, None] if mirrored else rows

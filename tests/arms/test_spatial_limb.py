@@ -50,8 +50,9 @@ HUMAN = SpatialArm(
 )
 FREE = ((-math.pi, math.pi),) * 4
 CROOKED = SpatialArm(
-    (0.5, -0.2, 0.3), (0.7, 0.1, -0.25), (0.1, 0.2, 0.3, 0.4), FREE, SPEEDS, 0.1,
-    Base((1, 2, 3), (0.5, -0.5, 0.5, 0.5)),
+    upper_arm=(0.5, -0.2, 0.3), forearm=(0.7, 0.1, -0.25), joints=(0.1, 0.2, 0.3, 0.4),
+    joint_range=FREE, max_joint_speed=SPEEDS, grasp=0.1,
+    base=Base((1, 2, 3), (0.5, -0.5, 0.5, 0.5)),
 )  # fmt: skip
 FIXED = pytest.mark.parametrize("arm", [NAO, HUMAN, CROOKED], ids=["nao", "human", "crooked"])
 fractions = strategies.vectors(4, st.floats(0.0, 1.0))

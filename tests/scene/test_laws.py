@@ -14,7 +14,10 @@ from gcm_learn.scene.packing import pose
 from gcm_learn.situation.timed_motion import flown
 from tests import strategies
 
-ARM = SpatialArm((1, 0, 0), (1, 0, 0), (0,) * 4, ((-1, 1),) * 4, (1,) * 4, grasp=0.1)
+ARM = SpatialArm(
+    upper_arm=(1, 0, 0), forearm=(1, 0, 0), joints=(0,) * 4, joint_range=((-1, 1),) * 4,
+    max_joint_speed=(1,) * 4, grasp=0.1,
+)  # fmt: skip
 BOX = records.Box((0.3, 0.2, 0.1))
 LAWS = {
     records.SolidQuadratic: strategies.solid_quadratics,

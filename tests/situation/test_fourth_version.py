@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 from gcm_learn import situation as records
-from gcm_learn.arms import Base, Chain, ChainModel, hands_along
+from gcm_learn.arms import Base, ChainModel, hands_along
 from gcm_learn.errors import SituationError
 from gcm_learn.scene import pose
 from tests import strategies
@@ -154,7 +154,7 @@ def angle(situation, k, joints, approach):
     seen = [replace(body, shape=records.Box((1, 1, 1))) for body in situation.bodies]
     world = replace(situation, arm=replace(arm, base=Base()), bodies=seen)
     _, turn = pose(world, k, 0.0)  # that of balls is not known
-    if isinstance(arm, Chain):
+    if arm.kind == "chain":
         arm = replace(arm, model=replace(arm.model, hand=replace(arm.model.hand, axis=axis)))
     else:
         arm = replace(arm, forearm=axis)

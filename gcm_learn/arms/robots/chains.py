@@ -11,7 +11,7 @@ from xml.etree import ElementTree
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from gcm_learn.arms.chain import ChainJoint, ChainModel, Hand, Link
+from gcm_learn.arms.chain_model import ChainJoint, ChainModel, Hand, Link
 from gcm_learn.arms.robots.capsules import FittedCapsule, reduced
 from gcm_learn.arms.robots.fits import MOST, Cover, Freedom, covered
 from gcm_learn.arms.robots.following import MOVING, Placed, arranged

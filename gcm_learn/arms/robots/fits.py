@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from gcm_learn.arms.chain import ChainModel, Link
+from gcm_learn.arms.chain_model import ChainModel, Link
 from gcm_learn.arms.robots.capsules import Site, SiteCapsule, enclosing, packed
 from gcm_learn.arms.robots.pairs import Frames, Meets, RigidLink, meetings
 from gcm_learn.arms.robots.tree import Hull, all_balls

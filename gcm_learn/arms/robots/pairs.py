@@ -10,7 +10,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from gcm_learn import seeding
-from gcm_learn.arms.chain import ChainModel
+from gcm_learn.arms.chain_model import ChainModel
 from gcm_learn.arms.convex_kernels import gaps
 from gcm_learn.arms.robots.capsules import Packed, enclosing, packed
 from gcm_learn.arms.robots.tree import Hull, all_balls

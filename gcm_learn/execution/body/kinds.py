@@ -15,8 +15,6 @@ HAND = 0.5
 """Radius of the hand's ball, as a share of the grasp; a link's radius at most."""
 EQUAL = 1e-6
 """Tolerance of joints that are the same, in their origins, rotations and axes."""
-AXES = ((0, 1, 0), (0, 0, 1), (1, 0, 0), (0, 0, 1))
-"""Of a spatial arm's joints."""
 
 
 class Inertia(NamedTuple):
@@ -112,7 +110,7 @@ def _bones(arm: arms.SpatialArm, body: ArmBody) -> list[Segment]:
     for i, (name, end) in enumerate((("upper_arm", arm.upper_arm), ("forearm", arm.forearm))):
         bone = body.bones[i]
         inertia = Inertia(bone.mass, bone.centre, unturned, bone.inertia)
-        joints = tuple(Turning("revolute", axis) for axis in AXES[2 * i : 2 * i + 2])
+        joints = tuple(Turning("revolute", axis) for axis in arms.AXES[2 * i : 2 * i + 2])
         link = LinkCapsule(i, nowhere, end, arm.thickness)
         made.append(Segment(name, i, place, unturned, inertia, joints, (link,)))
         place = end
@@ -144,10 +142,6 @@ def _principal(carried: FrameMass) -> Inertia:
     axes[:, 2] *= np.sign(np.linalg.det(axes))
     turn = tuple(np.asarray(arms.quaternion_of(axes)).tolist())
     return Inertia(carried.mass, carried.centre, turn, tuple(moments.tolist()))
-
-
-def _end_of_forearm(arm: arms.SpatialArm) -> tuple[int, tuple[float, ...], float]:
-    return 2, arm.forearm, min(HAND * arm.grasp, arm.thickness)
 
 
 def _hand_of_chain(arm: arms.Chain) -> tuple[int, tuple[float, ...], float]:
@@ -195,33 +189,28 @@ def same_joints(one: arms.ChainModel, other: arms.ChainModel) -> bool:
     return types[0] == types[1] and bool(np.abs(numbers[0] - numbers[1]).max() <= EQUAL)
 
 
+_CHAIN = Mechanics(
+    rested=_rested,
+    segments=_frames,
+    hand=_hand_of_chain,
+    metric=_metric_of_chain,
+    lines=_lines_of_chain,
+    leads=lambda arm: tuple(line.leads for line in arm.model.lines),
+    pairs=lambda arm: arm.model.self_collision,
+    ignored=lambda arm: arm.ignored,
+    format=ChainBody.format,
+    stranger=_other_joints,
+    points=_ends_and_hand,
+)
 MECHANICS = arms.ByKind(
     {
-        arms.SPATIAL: Mechanics(
-            rested=_rested,
+        arms.CHAIN: _CHAIN,
+        arms.SPATIAL: replace(
+            _CHAIN,
             segments=_bones,
-            hand=_end_of_forearm,
-            metric=lambda arm, metres: np.ones(len(arm.joints)),
-            lines=lambda arm, metres: (np.eye(len(arm.joints)), np.zeros(len(arm.joints))),
-            leads=lambda arm: (True,) * len(arm.joints),
-            pairs=lambda arm: (),
-            ignored=lambda arm: (),
+            hand=lambda arm: (2, *_hand_of_chain(arm)[1:]),
             format=ArmBody.format,
             stranger=lambda arm, name: "",
-            points=lambda arm, joints: np.stack(arms.forward_in_space(arm, joints), axis=1),
-        ),
-        arms.CHAIN: Mechanics(
-            rested=_rested,
-            segments=_frames,
-            hand=_hand_of_chain,
-            metric=_metric_of_chain,
-            lines=_lines_of_chain,
-            leads=lambda arm: tuple(line.leads for line in arm.model.lines),
-            pairs=lambda arm: arm.model.self_collision,
-            ignored=lambda arm: arm.ignored,
-            format=ChainBody.format,
-            stranger=_other_joints,
-            points=_ends_and_hand,
         ),
     },
     who="physics",

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
-from gcm_learn.arms import Chain, SpatialArm
+from gcm_learn.arms import Chain
 from gcm_learn.arms.curves import hermite, line, part
 from gcm_learn.collision.postures import desk_of, least_on
 from gcm_learn.compiled import njit
@@ -125,7 +125,7 @@ def gripped(plan: Plan) -> Gripping:
     return Gripping(moves.arm, moves.time, moves.joints, moves.rates, grips=tuple(grips))
 
 
-Led = TypeVar("Led", SpatialArm, Chain)
+Led = TypeVar("Led", bound=Chain)
 
 
 def begun(arm: Led, plan: Movement, since: float) -> Movement:

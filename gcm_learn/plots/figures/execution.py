@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from itertools import cycle
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -14,9 +14,9 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from gcm_learn import rendering
-from gcm_learn.arms import SPATIAL, ByKind, links_along, rotation_of
+from gcm_learn.arms import links_along, rotation_of
 from gcm_learn.families import CAPTION_INSTANTS, KAPPA
-from gcm_learn.motion import Movement
+from gcm_learn.motion import Movement, joint_names
 from gcm_learn.plots.figures import film, style
 from gcm_learn.plots.figures.scenery import Scenery, key_below
 from gcm_learn.scene import gap, pack_bodies
@@ -29,12 +29,6 @@ WIDER = 1.25  # times what shows the arm and its target: it is seen to go
 STOP = 8  # frames for which a film stands still at the catch or the contact
 RING = 26  # size of the ring of a mark [points]
 MET, HIT = style.GOOD, style.EFFECTIVE  # marks of a catch and of a contact
-JOINT_NAMES: ByKind[Callable[[Any], tuple[str, ...]]] = ByKind(
-    {SPATIAL: lambda arm: ("shoulder pitch", "shoulder roll", "elbow yaw", "elbow roll")},
-    default=lambda arm: tuple(
-        j.name or f"joint {k}" for k, j in enumerate(arm.model.joints, 1) if j.follows is None
-    ),
-)
 JOINT_COLOURS = (style.ARM, "#dd6b20", style.OBSTACLE, "#2c7a7b")
 MILLI = 1e3  # [1/1000]
 FINE = 1e-4  # [m] what is less is not told more exactly
@@ -351,7 +345,7 @@ def _draw_torques(ax: Axes, replay: Replay, end: float) -> None:
     plant = replay.plant
     times = np.arange(plant.steps) * replay.step
     arm, colours = replay.situation.arm, cycle(JOINT_COLOURS)
-    for j, (name, colour) in enumerate(zip(JOINT_NAMES.of(arm)(arm), colours, strict=False)):
+    for j, (name, colour) in enumerate(zip(joint_names(arm), colours, strict=False)):
         used = 100.0 * np.abs(plant.torques_log[: plant.steps, j]) / plant.strongest[j]
         ax.plot(times, used, color=colour, lw=1.4, label=name, ls="-" if j < 4 else "--")
     ax.axhline(100.0, color=style.FAINT, lw=1.0, ls=(0, (4, 3)))
