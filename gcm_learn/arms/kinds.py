@@ -37,6 +37,9 @@ class Kind:
         Formats of situations that hold such arms, the default first.
     general : Kind, optional
         Kind of which this is a special case; its entries serve where a table has none for this one.
+    as_chain : callable, optional
+        Chain that stands and moves as an arm does. The referee judges it, where it knows no arms of
+        the kind.
     """
 
     name: str
@@ -46,6 +49,7 @@ class Kind:
     pack: Callable[[Any, tuple[str, ...]], Any]
     formats: tuple[str, ...]
     general: Kind | None = None
+    as_chain: Callable[[Any], Chain] | None = None
 
 
 PLANAR = Kind(

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from gcm_learn import artifacts
-from gcm_learn.arms import PLANAR, ByKind, kind_of
+from gcm_learn.arms import PLANAR, ByKind, kind_named, kind_of
 from gcm_learn.errors import SuiteError
 from gcm_learn.evaluation.conditions import after
 from gcm_learn.evaluation.entrants import WORDS, Answer
@@ -54,7 +54,7 @@ def judged(answer: Answer, situation: AnySituation, given: Mapping[str, Any]) ->
         except (TypeError, ValueError) as error:
             return row | {"outcome": "error", "reason": f"the solution is not JSON: {error}"}
         if answer.outcome == "caught" and solution["clearance"] is None:
-            solution["clearance"] = examine(given, solution).clearance  # nobody has told it
+            solution["clearance"] = examine(_known(given), solution).clearance  # nobody told it
         found = complaints_of(given, solution) if answer.outcome in CLAIMS else []
         told = told or found
         row |= {"solution": json.dumps(solution, separators=(",", ":")), "nodes": plan.nodes}
@@ -68,7 +68,16 @@ def judged(answer: Answer, situation: AnySituation, given: Mapping[str, Any]) ->
 
 def complaints_of(given: Mapping[str, Any], solution: Mapping[str, Any]) -> list[str]:
     """Return the complaints of the referee, each as a field and what is wrong with it."""
-    return [str(replace(c, name="")).removeprefix(": ") for c in judge(given, solution)]
+    return [str(replace(c, name="")).removeprefix(": ") for c in judge(_known(given), solution)]
+
+
+def _known(given: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Return a situation whose arm the referee knows: a chain for one of an added kind."""
+    kind = kind_named(given["arm"].get("kind", PLANAR.name))
+    if kind.as_chain is None:
+        return given
+    asked: Any = situation_from_json(given)
+    return situation_to_json(replace(asked, arm=kind.as_chain(asked.arm)))
 
 
 def complaints(situation: AnySituation, plan: Plan) -> list[str]:

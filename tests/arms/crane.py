@@ -13,7 +13,16 @@ from typing import ClassVar, NamedTuple
 
 import numpy as np
 
-from gcm_learn.arms import IDENTITY, Base, Kind
+from gcm_learn.arms import (
+    IDENTITY,
+    Base,
+    Chain,
+    ChainJoint,
+    ChainModel,
+    Hand,
+    Kind,
+    Link,
+)
 from gcm_learn.arms.curves import on_curve, rate_of, turn_of
 from gcm_learn.arms.limbs import register_limb
 from gcm_learn.compiled import njit
@@ -219,4 +228,23 @@ def inverts(limb):
 
 register_limb(CraneLimb, sys.modules[__name__])
 
-CRANE = Kind("crane", "cranes", Crane, CraneLimb, crane_limb_of, formats=("gcm-learn/situation@3",))
+
+def chain_of(arm: Crane) -> Chain:
+    """Return the chain that moves as a crane does, for the referee."""
+    moves = (("revolute", (0, 0, 1)), ("prismatic", (1, 0, 0)), ("prismatic", (0, 0, -1)))
+    joints = tuple(
+        ChainJoint(axis, ends, fast, kind, (0, 0, 0 if k else arm.height))
+        for k, ((kind, axis), ends, fast) in enumerate(
+            zip(moves, arm.joint_range, arm.max_joint_speed, strict=True)
+        )
+    )
+    boom = Link(2, (-BOOM, 0, 0), (0, 0, 0), arm.thickness)
+    rod = Link(3, (0, 0, 0), (0, 0, ROD), arm.thickness)
+    model = ChainModel("", joints, (boom, rod), Hand(3, (0, 0, 0), (0, 0, -1)))
+    return Chain(model, arm.joints, arm.grasp, arm.base, max_hand_speed=arm.max_hand_speed)
+
+
+CRANE = Kind(
+    "crane", "cranes", Crane, CraneLimb, crane_limb_of, formats=("gcm-learn/situation@3",),
+    as_chain=chain_of,
+)  # fmt: skip

@@ -11,14 +11,11 @@ import pytest
 from gcm_learn import situation as records, solve
 from gcm_learn.arms import Base, hands_along, register_kind
 from gcm_learn.arms.limbs import register_limb
-from gcm_learn.evaluation import ask
+from gcm_learn.evaluation import ask, complaints
 from gcm_learn.motion import rules_of, verify
-from gcm_learn.planners import plan_to_json
 from gcm_learn.plots import animate, plan_figure
-from gcm_learn.referee import judge
 from gcm_learn.scene import pack
-from tests.arms.crane import BOOM, CRANE, ROD, Crane, CraneLimb
-from tests.geometry import arm_of, hand_of
+from tests.arms.crane import CRANE, Crane, CraneLimb, chain_of
 
 pytestmark = pytest.mark.slow  # compiled anew for the crane, whose code is not kept
 
@@ -42,25 +39,6 @@ def _registered(monkeypatch):
     register_kind(CRANE)
 
 
-def as_chain(arm):
-    """The same arm as the JSON of a chain."""
-    axes = (("revolute", [0, 0, 1]), ("prismatic", [1, 0, 0]), ("prismatic", [0, 0, -1]))
-    joints = [
-        {"type": kind, "axis": axis, "range": list(ends), "max_speed": fast}
-        for (kind, axis), ends, fast in zip(axes, arm.joint_range, arm.max_joint_speed, strict=True)
-    ]
-    joints[0]["origin"] = [0, 0, arm.height]
-    links = [
-        {"joint": 2, "from": [-BOOM, 0, 0], "to": [0, 0, 0], "radius": arm.thickness},
-        {"joint": 3, "from": [0, 0, 0], "to": [0, 0, ROD], "radius": arm.thickness},
-    ]
-    hand = {"joint": 3, "point": [0, 0, 0], "axis": [0, 0, -1]}
-    base = {"origin": list(arm.base.origin), "rotation": list(arm.base.rotation)}
-    model = {"format": "gcm-learn/arm@1", "joints": joints, "links": links, "hand": hand}
-    given = {"kind": "chain", "model": model, "base": base}
-    return given | {"posture": list(arm.joints), "grasp": arm.grasp}
-
-
 def flying(role, shape, place, velocity=(0.0, 0.0, 0.0)):
     place = tuple(float(x) for x in place)
     return records.Body(role, role, shape, records.SolidQuadratic(place, velocity, (0.0, 0.0, 0.0)))
@@ -75,16 +53,10 @@ def behind_a_post(arm=ARM):
     )
 
 
-def verdict(situation, plan):
-    """The referee's, of the same situation with the crane as a chain."""
-    given = records.situation_to_json(situation) | {"arm": as_chain(situation.arm)}
-    return judge(given, plan_to_json(plan, situation))
-
-
 def test_it_stands_where_the_same_chain_does():
     joints = np.random.default_rng(1).uniform(*np.array(ARM.joint_range).T, (20, 3))
     for mine, theirs in zip(
-        hands_along(ARM, joints), hand_of(arm_of(as_chain(ARM)), joints), strict=True
+        hands_along(ARM, joints), hands_along(chain_of(ARM), joints), strict=True
     ):
         assert mine == pytest.approx(theirs)
 
@@ -95,7 +67,7 @@ def test_it_is_planned_for_and_verified(planner):
     free = replace(situation, bodies=situation.bodies[:1])
     for given in (situation, free):
         plan = solve(given, planner)
-        assert verdict(given, plan) == []
+        assert complaints(given, plan) == []
         assert plan.caught or (given is situation and planner != "search")
         if plan.caught:
             scene = pack(given)
@@ -111,7 +83,7 @@ def test_it_is_blocked_where_it_begins_with_an_overlap():
         situation, bodies=(situation.bodies[0], flying("obstacle", records.Sphere(0.1), hand[0]))
     )
     plan = solve(blocked, "search")
-    assert plan.status == "start_blocked" and verdict(blocked, plan) == []
+    assert plan.status == "start_blocked" and complaints(blocked, plan) == []
 
 
 def test_it_is_written_and_read():
