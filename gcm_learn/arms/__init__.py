@@ -19,6 +19,7 @@ from gcm_learn.arms.kinds import (
     SPATIAL as SPATIAL,
     ByKind as ByKind,
     Kind as Kind,
+    check_kind as check_kind,
     is_arm as is_arm,
     kind_named as kind_named,
     kind_of as kind_of,

@@ -129,6 +129,19 @@ def kind_named(name: str) -> Kind:
     raise ArmKindError(f"kind: {not_among(name, (kind.name for kind in kinds()))}")
 
 
+def check_kind(subject: Any, kind: Kind, who: str) -> None:
+    """Raise ArmKindError if a subject, see `kind_of`, has an arm of another kind."""
+    found = kind_of(subject)
+    if found is not kind:
+        raise _refused(who, found, subject)
+
+
+def _refused(who: str, kind: Kind, subject: Any) -> ArmKindError:
+    asked = hasattr(subject, "bodies") and hasattr(subject, "name")
+    where = f" (situation {subject.name!r})" if asked else ""
+    return ArmKindError(f"{who} does not take {kind.plural}{where}")
+
+
 def is_arm(value: object) -> bool:
     """Return whether a value is an arm of a registered kind."""
     return type(value) in _BY_ARM
@@ -178,9 +191,7 @@ class ByKind(Generic[Entry]):
         kind = kind_of(subject)
         entry = self._entry(kind)
         if entry is None:
-            asked = hasattr(subject, "bodies") and hasattr(subject, "name")
-            where = f" (situation {subject.name!r})" if asked else ""
-            raise ArmKindError(f"{self.who} does not take {kind.plural}{where}")
+            raise _refused(self.who, kind, subject)
         return entry
 
     def _entry(self, kind: Kind) -> Entry | None:

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
         gcm as gcm,
         marching as marching,
     )
+    from gcm_learn.planners.goal_directed import layered as layered
     from gcm_learn.planners.joints.end_search import EndSearch as EndSearch
     from gcm_learn.planners.joints.moves import study_of as study_of
     from gcm_learn.planners.joints.straight import (
@@ -39,7 +40,6 @@ if TYPE_CHECKING:
         search_in_space as search_in_space,
     )
     from gcm_learn.planners.joints.ways import JointWay as JointWay, new_way as new_way
-    from gcm_learn.planners.layered_front import layered as layered
     from gcm_learn.planners.names import (
         all_planner_names as all_planner_names,
         check_name as check_name,
@@ -105,7 +105,7 @@ __getattr__ = late.late_names(__name__, {
     "joints.straight": ("any_straight", "at_once", "earliest_straight"),
     "joints.tree_search": ("TreeSearch", "search_in_space"),
     "joints.ways": ("JointWay", "new_way"),
-    "layered_front": ("layered",),
+    "goal_directed": ("layered",),
     "names": ("all_planner_names", "check_name", "is_registered", "summary_of"),
     "oracle.bounds": ("Bounds", "bounds", "stratum"),
     "oracle.yardstick": ("Yardstick", "without_waits", "yardstick"),

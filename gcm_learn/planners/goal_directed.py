@@ -1,6 +1,8 @@
-"""From a situation to a catch by the goal-directed search (`planners.sipp`), verified."""
+"""The default planner of planar arms: a goal-directed search (`planners.sipp`), verified."""
 
 from __future__ import annotations
+
+from functools import partial
 
 import numpy as np
 
@@ -8,10 +10,11 @@ from gcm_learn.arms import elbow_of
 from gcm_learn.charts import LARGEST_LATTICE, Lattice, hand_space
 from gcm_learn.collision import DEEPEST, NEVER, Sweep, postures_of
 from gcm_learn.motion import Failure, refine, straight_path
-from gcm_learn.planners import completion
+from gcm_learn.planners import completion, layered_front, sipp
+from gcm_learn.planners.fronts import FrontPlanner
 from gcm_learn.planners.plan import Plan
-from gcm_learn.planners.sipp import search
 from gcm_learn.planners.sipp_labels import PIECES, Aim, Hunt, Labels, Queue, SearchCells, SearchEnd
+from gcm_learn.wave import MarchingParams
 
 MOST = 40_000  # labels that are taken up at most
 BRIEF = 4_000  # of them on the finer lattice
@@ -20,6 +23,24 @@ SLICE = 200  # labels that are taken up between two readings of the clock
 INSTANT = 0.1  # resolution of interceptions [crossings of a cell]
 ANY = 1e9  # resolution of a clearance of which only the sign matters
 LABELS = 3  # for which there is room, for every cell
+
+
+def search() -> FrontPlanner:
+    """Return the default planner of planar arms."""
+    return layered(name="search")
+
+
+def layered(params: MarchingParams | None = None, name: str = "layered") -> FrontPlanner:
+    """Return the default planner under its other name: the hand may wait.
+
+    The straight line to the earliest interception is the answer if it holds.  A search that
+    heads for the target comes next, see `found`.  Neither makes a map; `build_map` with
+    ``wait=True`` does.  Causal marching over cells and their safe intervals is for arms with limits
+    of joints and for what the search leaves open.
+    """
+    params = MarchingParams() if params is None else params
+    find = partial(found, n=params.n)
+    return FrontPlanner(name, layered_front.levels(params), direct=True, find=find)
 
 
 def found(problem: completion.Problem, n: int) -> Plan | None:
@@ -70,7 +91,7 @@ def searched(
     hunt = new_hunt(labels.node.size, problem.situation.horizon)
     catches: list[SearchEnd] = []
     while most > 0 and hunt.goes_on and not problem.over:
-        caught, hunt, taken = search(ground, labels, hunt, gain, problem.slices(SLICE, most))
+        caught, hunt, taken = sipp.search(ground, labels, hunt, gain, problem.slices(SLICE, most))
         most, problem.nodes = most - taken, problem.nodes + taken
         if caught.label >= 0:
             catches.append(caught)

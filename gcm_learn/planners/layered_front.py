@@ -1,10 +1,9 @@
-"""Planning with waits: a search for the target, and maps where it cannot tell."""
+"""Plans from maps in which the hand may wait."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 
@@ -21,8 +20,7 @@ from gcm_learn.planners.completion import (
     timed,
 )
 from gcm_learn.planners.feedback import Exploration, Feedback
-from gcm_learn.planners.fronts import FrontPlanner, Level, finer, first_arrival, without_margin
-from gcm_learn.planners.goal_directed import found
+from gcm_learn.planners.fronts import Level, finer, first_arrival, without_margin
 from gcm_learn.wave import Front, MarchingParams, WaveParams, fastest
 
 MEETING = 1.5  # the hand may meet a target so long before the map says so [crossings]
@@ -31,24 +29,18 @@ BEYOND = 4.0  # what a path through cells' centres loses at most to the best one
 DELAYS = (0.0, 0.5, 1.0, 1.5, 2.0)  # with which a last wait is left [crossings]
 
 
-def layered(params: MarchingParams | None = None, name: str = "layered") -> FrontPlanner:
-    """Return the planner of first choice for planar arms: the hand may wait.
-
-    The straight line to the earliest interception is the answer if it holds.  A search that
-    heads for the target comes next (`goal_directed`).  Neither makes a map; `build_map` with
-    ``wait=True`` does.  Causal marching over cells and their safe intervals is for arms with limits
-    of joints and for what the search leaves open.
+def levels(params: MarchingParams) -> tuple[Level, ...]:
+    """Return maps to ask in turn, the quickest first.
 
     The map without margin sees every gap that is as wide as a cell. The search ends if this map has
     no interception.  Descents on first-arrival maps cut corners in another way than
     chains of cells do, and now and then hold where those fail.
     """
-    params = MarchingParams() if params is None else params
     bare = without_margin(params)
     # A front that enters a cell as soon as its centre is free is early; one that does not misses
     # gaps that are open for a moment.
     patient = replace(bare, lookback=params.lookback)
-    levels = (
+    return (
         Level(params, waiting),
         Level(bare, waiting, 4, BEYOND, decisive=True),
         Level(params, first_arrival),
@@ -59,12 +51,6 @@ def layered(params: MarchingParams | None = None, name: str = "layered") -> Fron
         Level(finer(bare), waiting, 8, BEYOND),
         Level(finer(bare), first_arrival),
     )
-    return FrontPlanner(name, levels, direct=True, find=partial(found, n=params.n))
-
-
-def search() -> FrontPlanner:
-    """Return the default planner of planar arms: `layered` by its general name."""
-    return layered(name="search")
 
 
 def waiting(problem: Problem, params: MarchingParams, feedback: Feedback) -> Exploration:

@@ -20,12 +20,12 @@ from gcm_learn.situation import AnySituation
 
 _PLANNERS: dict[str, str | ByKind[str]] = {
     "gcm": "fronts:gcm",
-    "layered": "layered_front:layered",
+    "layered": "goal_directed:layered",
     "marching": ByKind({PLANAR: "fronts:marching"}, default="joints.marching:HandMarching"),
     "oracle": "oracle.bounds:OraclePlanner",
     "potential": "baselines.potential:PotentialPlanner",
     "search": ByKind(
-        {PLANAR: "layered_front:search", SPATIAL: "joints.tree_search:search_in_space"},
+        {PLANAR: "goal_directed:search", SPATIAL: "joints.tree_search:search_in_space"},
         default="joints.tree_search:TreeSearch",
     ),
     "st-rrt-star": "baselines.st_rrt_star:STRRTStarPlanner",

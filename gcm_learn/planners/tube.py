@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Any
 
-from gcm_learn.arms import CHAIN, Kind
+from gcm_learn.arms import CHAIN, ByKind
 from gcm_learn.motion import Failure, fastest_hand, start_clearance
 from gcm_learn.planners.completion import JointProblem
 from gcm_learn.planners.outside import judged_anew
@@ -51,6 +51,9 @@ class Tube:
         return Tube(self.still * unit, self.per_speed * unit)
 
 
+_TAKEN = ByKind({CHAIN: True}, who="a tube")
+
+
 @dataclass(frozen=True)
 class InTube:
     """Lets a planner plan for a thicker, slower arm with a smaller grasp; answers for the real one.
@@ -68,9 +71,7 @@ class InTube:
     planner: Any
     tube: Tube
 
-    def takes(self, kind: Kind) -> bool:
-        """Return whether arms of a kind can be thickened: chains."""
-        return CHAIN in (kind, kind.general)
+    takes = staticmethod(_TAKEN.takes)
 
     @property
     def name(self) -> str:
@@ -79,6 +80,7 @@ class InTube:
 
     def plan(self, situation: AnySituation) -> Plan:
         """Answer a situation."""
+        _TAKEN.of(situation)
         problem = JointProblem(situation, self.name)
         early = problem.early_answer(keeps_acceleration=True, keeps_ends=True)
         if early is not None:

@@ -11,7 +11,7 @@ from typing import Any, Literal
 import numpy as np
 
 from gcm_learn import artifacts, execution, seeding
-from gcm_learn.arms import PLANAR, SPATIAL, Arm, ByKind, Kind
+from gcm_learn.arms import PLANAR, SPATIAL, Arm, ByKind, Kind, check_kind
 from gcm_learn.errors import PolicyError, UnknownNameError
 from gcm_learn.execution import ARENAS, CAUGHT, OUTCOMES, Pool, pool_for, way_of
 from gcm_learn.motion import Failure, Movement, refine
@@ -234,8 +234,8 @@ def all_actor_names() -> list[str]:
 
 def acted(actor: Acting, situation: AnySituation) -> tuple[str, Movement, int]:
     """Play an episode; return its outcome, the movement, and the number of steps."""
-    table = ByKind({actor.kind: actor.settings}, who="the policy")
-    pool = pool_for(table.of(situation), [situation])
+    check_kind(situation, actor.kind, "the policy")
+    pool = pool_for(actor.settings, [situation])
     episodes = actor.play(pool, np.zeros(1, np.int64))
     time, posture = episodes.path(0)
     way = _KINDS.of(actor.kind).way(situation.arm, time, pool.frames[0].original(posture))
@@ -292,9 +292,8 @@ class ActorPlanner:
 
     def plan(self, situation: AnySituation) -> Any:
         """Answer a situation with an arm of the actor's kind."""
-        begun: ByKind[_ActorKind] = ByKind({self.actor.kind: _KINDS.of(self.actor.kind)})
-        begun.who = f"policy {self.name!r}"
-        kind = begun.of(situation)
+        check_kind(situation, self.actor.kind, f"policy {self.name!r}")
+        kind = _KINDS.of(situation)
         problem = kind.problem(situation, self.name)
         answer = problem.early_answer(**kind.promises)
         if answer is not None:

@@ -93,11 +93,11 @@ def _angle(first: Sequence[float], second: Sequence[float]) -> float:
 
 def newer_of_arm(arm: Any) -> Iterator[str]:
     """Yield fields of an arm that ``gcm-learn/situation@4`` adds, other than by the model."""
-    jerk, names = getattr(arm, "max_joint_jerk", None), _NAMES.of(arm)
+    jerk = getattr(arm, "max_joint_jerk", None)
     if jerk is not None and jerk != _jerk_of_model(arm):
-        yield f"arm.{names[1]}"
+        yield f"arm.{_NAMES.of(arm)[1]}"
     if any(getattr(arm, "joint_accelerations", None) or ()):
-        yield f"arm.{names[2]}"
+        yield f"arm.{_NAMES.of(arm)[2]}"
 
 
 def _jerk_of_model(arm: Any) -> tuple[float, ...] | None:

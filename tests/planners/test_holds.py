@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from gcm_learn import solve
-from gcm_learn.arms import as_chain, hands_along
+from gcm_learn.arms import hands_along
 from gcm_learn.families import draw
 from gcm_learn.motion.movement import Movement
 from gcm_learn.motion.smoothing import half_width, smoothed, start_before
@@ -127,7 +127,7 @@ def spatial(k, place=False):
     }
     arm = given["arm"]
     arm["max_joint_acceleration"] = [6.0 * speed for speed in arm["max_joint_speed"]]
-    (hand,), _ = hands_along(as_chain(situation_from_json(given).arm), [arm["joints"]])
+    (hand,), _ = hands_along(situation_from_json(given).arm, [arm["joints"]])
     for body in given["bodies"]:
         if body["role"] == "target":
             body["hold"] = {"seconds": 0.1, "relative_speed": 0.3}
@@ -195,11 +195,11 @@ def approached(given, plan, hands):
     situation = situation_from_json(given)
     index = [body.name for body in situation.bodies].index(plan.catch_body)
     _, turn = pose(situation, index, plan.catch_time)
-    arm, at = as_chain(situation.arm), plan.trajectory.joints_at(plan.catch_time)[None]
+    arm, at = situation.arm, plan.trajectory.joints_at(plan.catch_time)[None]
     asks = []
     for hand in hands:
         model = replace(arm.model, hand=replace(arm.model.hand, axis=hand))
-        _, (along,) = hands_along(replace(arm, model=model, base=type(arm.base)()), at)
+        _, (along,) = hands_along(replace(arm.with_model(model), base=type(arm.base)()), at)
         asks.append({"axis": list(turn.T @ along), "within": 0.3, "hand": list(hand)})
     wanted = {"approach": asks[0] if len(asks) == 1 else asks}
     bodies = [b | (wanted if b["role"] == "target" else {}) for b in given["bodies"]]

@@ -8,7 +8,7 @@ import pytest
 from gcm_learn import seeding
 from gcm_learn.arms import SPATIAL
 from gcm_learn.families.random_planar import random_planar
-from gcm_learn.planners.layered_front import layered
+from gcm_learn.planners.goal_directed import layered
 from gcm_learn.recall import Memory, RawIndex, waypoints_of
 from gcm_learn.wave import MarchingParams
 

@@ -12,7 +12,7 @@ from gcm_learn.families.random_planar import random_planar
 from gcm_learn.families.random_solid import random_solid
 from gcm_learn.motion.movement import Movement
 from gcm_learn.planners.completion import Problem, checked
-from gcm_learn.planners.layered_front import layered
+from gcm_learn.planners.goal_directed import layered
 from gcm_learn.recall import Adaptation, adapt, path_of, transfer, waypoints_of
 from gcm_learn.recall.hand_paths import ANGLE, EARLIEST, KNOTS, RING, TIME
 from gcm_learn.recall.planners import random_waypoints

@@ -7,7 +7,7 @@ from gcm_learn.errors import RecallError
 from gcm_learn.families.random_planar import random_planar
 from gcm_learn.families.random_solid import random_solid
 from gcm_learn.planners import GAIN
-from gcm_learn.planners.layered_front import layered
+from gcm_learn.planners.goal_directed import layered
 from tests.judging import judge
 from tests.recall.conftest import limited
 from tests.transforms import turned

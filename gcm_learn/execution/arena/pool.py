@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from gcm_learn.arms import ByKind, Kind, kind_of
+from gcm_learn.arms import Kind, check_kind, kind_of
 from gcm_learn.errors import ArenaError
 from gcm_learn.execution.arena.kernels.joints.stepping import can_stop
 from gcm_learn.execution.arena.kernels.world import CAUGHT, LATE, World, world_of
@@ -169,9 +169,8 @@ def of_one_kind(situations: Sequence[AnySituation], kind: Kind, who: str = "the 
     ArmKindError
         With the name of the first one.
     """
-    table = ByKind({kind: True}, who=who)
     for situation in situations:
-        table.of(situation)
+        check_kind(situation, kind, who)
 
 
 def stops(situation: AnySituation, dt: float) -> bool:
