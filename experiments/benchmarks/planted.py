@@ -18,7 +18,7 @@ from gcm_learn.arms import Chain, ChainModel
 from gcm_learn.arms.chain_model import ChainJoint, Hand, Link
 from gcm_learn.families.chain.measured import cloud_of, mesh_of
 from gcm_learn.families.chain.stage import Stage, stage_of
-from gcm_learn.families.space.solids import axes_along, solid, triple, unit_vector
+from gcm_learn.families.solids import axes_along, solid, triple, unit_vector
 from gcm_learn.motion import Movement
 from gcm_learn.planners import Attempt, JointProblem, checked, get_planner, plan_to_json, plan_with
 from gcm_learn.referee import examine

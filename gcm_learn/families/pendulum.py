@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -156,4 +156,18 @@ def swing_through(
         gravity=gravity,
         angle=float(back[0]),
         rate=-float(back[1]),
+    )
+
+
+def ball_on_cord(
+    motion: Pendulum, radius: float, thin: float, name: str, number: str = ""
+) -> tuple[Body, Body]:
+    """A ball, the target if that is its name, and the cord down to it."""
+    free = motion.length - radius
+    role = "target" if name == "target" else "obstacle"
+    return (
+        Body(role, f"{name}{number}", Sphere(radius), motion),
+        Body(
+            "obstacle", f"cord{number}", Capsule(thin, 0.5 * free), replace(motion, hang=0.5 * free)
+        ),
     )

@@ -10,8 +10,8 @@ import pytest
 from gcm_learn import families, seeding
 from gcm_learn.arms import forward_in_space, rotation_of
 from gcm_learn.families.paper import FOREARM
+from gcm_learn.families.solids import axes_along, gap, placed, solid, unit_vector
 from gcm_learn.families.space.arms import HUMAN, NAO
-from gcm_learn.families.space.solids import axes_along, gap, placed, solid, unit_vector
 from gcm_learn.motion import opening
 from gcm_learn.planners import solve
 from gcm_learn.scene import pack, pose

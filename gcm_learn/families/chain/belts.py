@@ -12,7 +12,7 @@ from gcm_learn.families import ranges
 from gcm_learn.families.chain.family import ChainFamily, Story, level
 from gcm_learn.families.chain.motions import circling, orbiting
 from gcm_learn.families.chain.stage import Stage, Way
-from gcm_learn.families.space.solids import UP, axes_along, crossed, flight, solid, triple
+from gcm_learn.families.solids import UP, axes_along, crossed, flight, solid, triple
 from gcm_learn.situation import Body, Box, Capsule, Cylinder, Sphere
 
 STEEP = 0.35  # height of directions from which parts are picked: at most a little upwards

@@ -10,7 +10,7 @@ from gcm_learn.arms import Chain
 from gcm_learn.families.chain.stage import Stage, Way
 from gcm_learn.families.layout import TRIES
 from gcm_learn.families.ranges import Range, Ranges, number, pick, pick_angle, span
-from gcm_learn.families.space.solids import UP, axes_along, solid, triple
+from gcm_learn.families.solids import UP, axes_along, solid, triple
 from gcm_learn.situation import Body, Box, Place, Situation
 
 THIN = 0.0085  # half the thickness of boards [reaches]

@@ -11,7 +11,7 @@ from gcm_learn.families.chain.family import ChainFamily, Story, level
 from gcm_learn.families.chain.motions import shifted, sliding, staged
 from gcm_learn.families.chain.stage import Stage, Way
 from gcm_learn.families.ranges import Range, number, pick, pick_sign, span
-from gcm_learn.families.space.solids import UP, axes_along, solid
+from gcm_learn.families.solids import UP, axes_along, solid
 from gcm_learn.situation import Body, Box
 
 LEVEL = 0.7  # height of directions that reach into a shelf, at most

@@ -22,7 +22,7 @@ from gcm_learn.families.ranges import (
     pick_count,
     span,
 )
-from gcm_learn.families.space.solids import UP, axes_along, solid, unit_vector
+from gcm_learn.families.solids import UP, axes_along, solid, unit_vector
 from gcm_learn.motion import Movement, as_obstacles
 from gcm_learn.situation import Body, Box, Capsule, Cylinder, Margin
 

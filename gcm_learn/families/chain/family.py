@@ -23,7 +23,7 @@ from gcm_learn.families.family import TINY, Family
 from gcm_learn.families.holds import Holds
 from gcm_learn.families.layout import TRIES
 from gcm_learn.families.paper import EARTH
-from gcm_learn.families.space.solids import axes_along, solid, triple, unit_vector
+from gcm_learn.families.solids import axes_along, solid, triple, unit_vector
 from gcm_learn.scene import pose
 from gcm_learn.situation import (
     Approach,

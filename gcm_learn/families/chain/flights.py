@@ -11,7 +11,7 @@ from gcm_learn.families import ranges
 from gcm_learn.families.chain.family import ChainFamily, Story, aimed, on_the_way
 from gcm_learn.families.chain.motions import staged
 from gcm_learn.families.chain.stage import Stage, Way
-from gcm_learn.families.space.solids import UP, axes_along, solid, unit_vector
+from gcm_learn.families.solids import UP, axes_along, solid, unit_vector
 from gcm_learn.situation import Body, Box, Capsule, Sphere
 
 

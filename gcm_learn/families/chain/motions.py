@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from gcm_learn.arms import quaternion_of, rotation_of
-from gcm_learn.families.space.solids import STILL, UP, flight, triple
+from gcm_learn.families.solids import STILL, UP, flight, triple
 from gcm_learn.situation import Body, Pendulum, Piece, Piecewise, Sampled, SolidQuadratic
 
 STEP = 0.1  # turn between samples of a circle, at most [rad]

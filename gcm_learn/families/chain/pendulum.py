@@ -10,9 +10,8 @@ import numpy as np
 from gcm_learn.families import ranges
 from gcm_learn.families.chain.family import ChainFamily, Story, aimed, on_the_way
 from gcm_learn.families.chain.stage import Stage, Way
-from gcm_learn.families.pendulum import swing_through
-from gcm_learn.families.space.pendulum import ball_on_cord
-from gcm_learn.families.space.solids import axes_along, solid, triple
+from gcm_learn.families.pendulum import ball_on_cord, swing_through
+from gcm_learn.families.solids import axes_along, solid, triple
 from gcm_learn.situation import Body, Box, Pendulum, Sphere
 
 

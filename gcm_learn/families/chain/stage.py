@@ -12,7 +12,7 @@ from gcm_learn.arms import Chain, Link, hands_along, links_along
 from gcm_learn.collision.postures import desk_of, gap_at
 from gcm_learn.compiled import njit
 from gcm_learn.families.ranges import Range, pick
-from gcm_learn.families.space.solids import solid, triple
+from gcm_learn.families.solids import solid, triple
 from gcm_learn.scene import pack
 from gcm_learn.situation import Body, Box, Situation, Sphere
 

@@ -10,7 +10,7 @@ from gcm_learn.families import ranges
 from gcm_learn.families.chain.family import ChainFamily, Story, facing
 from gcm_learn.families.chain.motions import shifted, sliding, staged
 from gcm_learn.families.chain.stage import Stage, Way
-from gcm_learn.families.space.solids import STILL, axes_along, solid, unit_vector
+from gcm_learn.families.solids import STILL, axes_along, solid, unit_vector
 from gcm_learn.situation import Body, Box, Capsule
 
 

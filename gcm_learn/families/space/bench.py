@@ -9,8 +9,8 @@ import numpy as np
 
 from gcm_learn.families import ranges
 from gcm_learn.families.layout import TRIES
+from gcm_learn.families.solids import STILL, solid
 from gcm_learn.families.space.family import SpaceStory, SpatialFamily, fits
-from gcm_learn.families.space.solids import STILL, solid
 from gcm_learn.families.space.stage import SpaceStage, SpaceWay
 from gcm_learn.situation import Body, Box, Cylinder, Sphere
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from gcm_learn.families.ranges import Range, number, pick, pick_angle, span
+from gcm_learn.families.solids import UP, axes_along, moved, solid
 from gcm_learn.families.space.family import SpaceStory, SpatialFamily, leaving, through
-from gcm_learn.families.space.solids import UP, axes_along, moved, solid
 from gcm_learn.families.space.stage import SpaceStage, SpaceWay
 from gcm_learn.situation import Body, Box, Cylinder
 

@@ -9,8 +9,8 @@ import numpy as np
 
 from gcm_learn.families.layout import TRIES
 from gcm_learn.families.ranges import Counts, Range, counts, number, pick, pick_count, span
+from gcm_learn.families.solids import UP, axes_along, flight, moved, solid, unit_vector
 from gcm_learn.families.space import family
-from gcm_learn.families.space.solids import UP, axes_along, flight, moved, solid, unit_vector
 from gcm_learn.families.space.stage import SpaceStage, SpaceWay
 from gcm_learn.situation import Body, Box, Capsule
 

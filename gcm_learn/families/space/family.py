@@ -10,11 +10,11 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 
 from gcm_learn.arms import SpatialArm
+from gcm_learn.families import solids
 from gcm_learn.families.family import TINY, Family
 from gcm_learn.families.holds import Holds
 from gcm_learn.families.layout import TRIES
 from gcm_learn.families.ranges import Range, Ranges, number, pick, pick_angle, span
-from gcm_learn.families.space import solids
 from gcm_learn.families.space.arms import SpatialArmRanges
 from gcm_learn.families.space.stage import CHECKS, SpaceStage, SpaceWay, stage_of
 from gcm_learn.situation import Body, Box, Capsule, Cylinder, Situation, SolidShape, Sphere

@@ -10,8 +10,8 @@ import numpy as np
 from gcm_learn.arms import SPATIAL, SpatialArm
 from gcm_learn.families import ranges
 from gcm_learn.families.layout import TRIES
+from gcm_learn.families.solids import UP, axes_along, flight, gap, solid, unit_vector
 from gcm_learn.families.space import family
-from gcm_learn.families.space.solids import UP, axes_along, flight, gap, solid, unit_vector
 from gcm_learn.families.space.stage import SpaceStage, SpaceWay
 from gcm_learn.situation import Body, Box, Situation
 

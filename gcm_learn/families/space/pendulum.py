@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from gcm_learn.families import ranges
-from gcm_learn.families.pendulum import swing_through
+from gcm_learn.families.pendulum import ball_on_cord, swing_through
+from gcm_learn.families.solids import triple
 from gcm_learn.families.space.family import SpaceStory, SpatialFamily, Things, across, aimed, sentry
-from gcm_learn.families.space.solids import triple
 from gcm_learn.families.space.stage import SpaceStage
-from gcm_learn.situation import Body, Capsule, Pendulum, Sphere
+from gcm_learn.situation import Body
 
 
 @dataclass(frozen=True)
@@ -91,17 +91,3 @@ class PendulumSpace(SpatialFamily):
             triple(place), along, when, stage.build.gravity, length, (angle, rate)
         )
         return ball_on_cord(motion, radius, ranges.pick(rng, self.cord), name, number)
-
-
-def ball_on_cord(
-    motion: Pendulum, radius: float, thin: float, name: str, number: str = ""
-) -> tuple[Body, Body]:
-    """A ball, the target if that is its name, and the cord down to it."""
-    free = motion.length - radius
-    role = "target" if name == "target" else "obstacle"
-    return (
-        Body(role, f"{name}{number}", Sphere(radius), motion),
-        Body(
-            "obstacle", f"cord{number}", Capsule(thin, 0.5 * free), replace(motion, hang=0.5 * free)
-        ),
-    )

@@ -11,8 +11,8 @@ import numpy as np
 
 from gcm_learn.arms import Base, SpatialArm, forward_in_space, rotation_of
 from gcm_learn.families.ranges import Range, pick, pick_angle
+from gcm_learn.families.solids import gap, placed, solid, triple
 from gcm_learn.families.space.arms import Build, arm_of
-from gcm_learn.families.space.solids import gap, placed, solid, triple
 from gcm_learn.situation import Body, Capsule, Situation
 
 POSTURES = 160  # that a draw chooses its start and its end from

@@ -9,8 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from gcm_learn.families import solids
 from gcm_learn.families.ranges import Range, number, pick, pick_sign, span
-from gcm_learn.families.space import solids
 from gcm_learn.families.space.family import SpaceStory, SpatialFamily, leaving, through
 from gcm_learn.families.space.stage import SpaceStage, SpaceWay
 from gcm_learn.situation import Body, Box, Pendulum
