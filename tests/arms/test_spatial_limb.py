@@ -10,10 +10,17 @@ import pytest
 from hypothesis import given, strategies as st
 
 from gcm_learn.arms import (
+    CHAIN,
+    SPATIAL,
     Base,
+    ByKind,
+    Chain,
     SpatialArm,
+    check_kind,
     forward_in_space,
+    hands_along,
     inverse_in_space,
+    links_along,
     rotation_of,
     spatial_limb_of,
     swivel_in_space,
@@ -28,6 +35,7 @@ from gcm_learn.arms.swivels import (
     swivel_axes,
     swivel_of,
 )
+from gcm_learn.errors import ArmKindError
 from tests import strategies
 
 SPEEDS = (8.268, 7.194, 8.268, 7.194)
@@ -128,6 +136,39 @@ def test_jacobian_is_the_derivative(arm, q):
         ahead, behind = limb_at(limb, q + shift), limb_at(limb, q - shift)
         wanted = (np.array(ahead[3:]) - np.array(behind[3:])) / (2 * step)
         np.testing.assert_allclose(found[:, k], wanted, atol=1e-8)
+
+
+@given(strategies.spatial_arms(), strategies.vectors(4))
+def test_it_stands_where_the_plain_chain_of_its_model_does(arm, q):
+    plain = arm.with_model(arm.model)
+    assert isinstance(arm, Chain) and type(plain) is Chain
+    for traced in (links_along, hands_along):
+        for found, wanted in zip(traced(arm, [q]), traced(plain, [q]), strict=True):
+            np.testing.assert_allclose(found, wanted, atol=1e-12)
+
+
+@FIXED
+def test_it_is_thicker_and_slower_as_its_chain_is(arm):
+    plain = arm.with_model(arm.model)
+    for change in (lambda one: one.thicker(0.01), lambda one: one.slower(0.5)):
+        mine, its = change(arm), change(plain)
+        assert type(mine) is SpatialArm and mine.upper_arm == arm.upper_arm
+        assert mine.max_joint_speed == its.max_joint_speed
+        assert mine.max_hand_speed == its.max_hand_speed
+        assert [link.radius for link in mine.model.links] == [
+            link.radius for link in its.model.links
+        ]
+
+
+def test_tables_fall_back_on_the_entry_of_chains():
+    table = ByKind({CHAIN: "chain"}, who="a table")
+    assert table.of(NAO) == "chain" and table.takes(NAO)
+    table.register(SPATIAL, "own")
+    assert table.of(NAO) == "own" and table.of(NAO.with_model(NAO.model)) == "chain"
+    with pytest.raises(ArmKindError, match="a table does not take chains"):
+        ByKind({SPATIAL: "own"}, who="a table").of(NAO.with_model(NAO.model))
+    with pytest.raises(ArmKindError, match="an arena of chains does not take spatial arms"):
+        check_kind(NAO, CHAIN, "an arena of chains")
 
 
 # --- inverse -----------------------------------------------------------------------------------
