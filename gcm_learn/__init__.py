@@ -58,7 +58,7 @@ _late = late_names(__name__, {
 
 
 def __getattr__(name: str) -> Any:
-    """Return a public name, or a folder of the package, at its first use."""
+    """Return a public name or a subpackage, imported at its first use."""
     if name in __all__ or name.startswith("_"):
         return _late(name)
     if importlib.util.find_spec(f"gcm_learn.{name}") is not None:

@@ -21,13 +21,13 @@ IN_WHEEL = "_shipped"  # the build puts it there, see setup.py
 
 
 def own(kind: Kind) -> Path:
-    """Return the user's folder for things of a kind: the given one, or the one for their data."""
+    """Return the user's folder for a kind: the environment variable's, or the default one."""
     given = os.environ.get(VARIABLES[kind])
     return Path(given) if given else user_data(kind)
 
 
 def source() -> Path:
-    """Return the folder of all that is shipped: the repository, or its part in a wheel."""
+    """Return the folder with all shipped files: the repository, or its part in a wheel."""
     return _checkout() or PACKAGE / IN_WHEEL
 
 
@@ -56,13 +56,13 @@ def models(file: str) -> dict[str, Path]:
 
 
 def model(name: str, file: str) -> Path | None:
-    """Find the folder of a model that holds a file; None if it is missing."""
+    """Find the folder of the model `name` with a file `file` in it; None if there is none."""
     place = find("models", f"{name}/{file}")
     return None if place is None else place.parent
 
 
 def kept(kind: Kind) -> Path:
-    """Return the folder for drawn situations: as `own`, but in a checkout if it is writable."""
+    """Return the folder to draw to: a writable checkout's if no variable is set, else `own`."""
     checkout = _checkout()
     if checkout is None or os.environ.get(VARIABLES[kind]) or not os.access(checkout, os.W_OK):
         return own(kind)
@@ -70,15 +70,15 @@ def kept(kind: Kind) -> Path:
 
 
 def missing(kind: Kind, what: str, command: str = "") -> str:
-    """One line for what was not found: what, where, and how to get it.
+    """Return the message that a thing was not found: its name, the folders searched, the remedy.
 
     Parameters
     ----------
     kind : {"models", "data"}
     what : str
-        What was looked for, e.g. ``"memory 'recall'"``.
+        Name of the thing, e.g. ``"memory 'recall'"``.
     command : str
-        What makes one.
+        Command that makes one.
     """
     looked = ", ".join(str(folder) for folder in folders(kind))
     made = f"make one with '{command}', or " if command else ""
@@ -86,6 +86,6 @@ def missing(kind: Kind, what: str, command: str = "") -> str:
 
 
 def _checkout() -> Path | None:
-    """The repository, if the package lies in it."""
+    """Return the repository's folder if the package lies in a checkout, else None."""
     root = PACKAGE.parent
     return root if (root / "pyproject.toml").is_file() and (root / "models").is_dir() else None

@@ -100,7 +100,7 @@ def non_negative(value: object, field: str) -> float:
 
 
 def sequence(value: object, field: str, content: str) -> Sequence[object]:
-    """Return `value` if it is a list, tuple or array; `content` says of what it should be."""
+    """Return a list, tuple or array as a sequence; `content` names its items in messages."""
     if isinstance(value, np.ndarray):
         return list(value)
     if not isinstance(value, (list, tuple)):
@@ -139,7 +139,7 @@ def unit_vector(
 
 
 def normalised(value: object, field: str, size: int = 3) -> tuple[float, ...]:
-    """Return `value` as a vector of length 1; it may be off by `UNIT_LENGTH`.
+    """Return `value` scaled to length 1; its own length may be off by `UNIT_LENGTH`.
 
     A vector that is off by rounding only stays, so that normalising twice changes nothing.
     """
@@ -151,7 +151,7 @@ def normalised(value: object, field: str, size: int = 3) -> tuple[float, ...]:
 def in_ranges(
     values: Sequence[float], ranges: Sequence[tuple[float, float]], field: str
 ) -> tuple[float, ...]:
-    """Return values within their ranges; those that are nearly within are set to the bound."""
+    """Return values within their ranges; set values barely outside to the bound, refuse others."""
     result = []
     for k, (value, (low, high)) in enumerate(zip(values, ranges, strict=True)):
         bound = min(max(value, low), high)

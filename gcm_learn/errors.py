@@ -10,13 +10,13 @@ FEW = 12
 
 
 def nearest(name: object, known: Iterable[str]) -> str | None:
-    """Return the known name that is most like a wrong one, or None."""
+    """Return the known name most similar to a wrong name; None if no name is similar."""
     found = difflib.get_close_matches(str(name).lower(), known, 1)
     return found[0] if found else None
 
 
 def not_among(name: object, known: Iterable[str]) -> str:
-    """Say that a name is none of the known ones; suggest the nearest.
+    """Return the message that a name is unknown; suggest the nearest known name.
 
     The known names are listed if they are few, or if none is near.
     """
@@ -29,7 +29,7 @@ def not_among(name: object, known: Iterable[str]) -> str:
 
 
 def not_known(key: str, known: Iterable[str]) -> str:
-    """Say that a field is unknown: suggest the nearest, or list the known ones."""
+    """Return the message that a field is unknown; suggest the nearest, or list the known fields."""
     near = nearest(key, known)
     hint = f"did you mean {near!r}?" if near else f"known: {', '.join(sorted(known))}"
     return f"is not a known field ({hint})"
@@ -40,14 +40,14 @@ class GcmError(Exception):
 
 
 class FieldError(GcmError, ValueError):
-    """A field has a value that it may not have.
+    """A field has a value that is not allowed.
 
     Parameters
     ----------
     field : str
         Path of the field, e.g. ``"bodies[1].shape.radius"``; empty if it is the whole.
     reason : str
-        What is wrong with it, with the value that was given.
+        The rule that is broken, with the value that was given.
     """
 
     def __init__(self, field: str, reason: str) -> None:
@@ -61,7 +61,7 @@ class SituationError(FieldError):
 
 
 class ArmKindError(GcmError, ValueError):
-    """A planner or a command does not take arms of this kind; the message names who and which."""
+    """A planner or a command does not take arms of this kind; the message names both."""
 
 
 class FamilyError(FieldError):
@@ -73,7 +73,7 @@ class SpecError(FieldError):
 
 
 class FileFormatError(GcmError, ValueError):
-    """A file cannot be read as what it claims to be; the message names file, line and field."""
+    """A file is not in the expected format; the message names file, line and field."""
 
 
 class UnknownNameError(GcmError, ValueError):
@@ -84,7 +84,7 @@ class UnknownNameError(GcmError, ValueError):
 
     @classmethod
     def among(cls, what: str, name: object, known: Iterable[str]) -> UnknownNameError:
-        """Return the error for a name that is none of the known names of `what`."""
+        """Return the error for an unknown name; `what` says what is named, e.g. ``figure``."""
         names = tuple(known)
         error = cls(f"{what}: {not_among(name, names)}")
         error.known = names
@@ -100,7 +100,7 @@ class LatticeError(GcmError, ValueError):
 
 
 class DatasetError(GcmError, RuntimeError):
-    """A folder is not the dataset it should be: no shards, another schema, changed bytes."""
+    """A folder is not the expected dataset: no shards, another schema, changed bytes."""
 
 
 class ClusterError(GcmError, RuntimeError):
@@ -113,10 +113,10 @@ class MissingExtraError(GcmError, ImportError):
     Parameters
     ----------
     what : str
-        Who needs it.
+        Name of the part that needs the library.
     library : str
     extra : str
-        Name of the group of libraries that it belongs to.
+        Name of the group of libraries that the library belongs to.
     """
 
     def __init__(self, what: str, library: str, extra: str) -> None:
@@ -124,7 +124,7 @@ class MissingExtraError(GcmError, ImportError):
 
 
 class PlatformError(GcmError, RuntimeError):
-    """Something needs an operating system that can do what this one cannot."""
+    """A part of the package needs a feature that this operating system lacks."""
 
     def __init__(self, what: str, system: str) -> None:
         super().__init__(f"{what} needs {system}")
@@ -139,7 +139,7 @@ class CoverError(GcmError, RuntimeError):
 
 
 class ArenaError(GcmError, ValueError):
-    """An argument does not fit the arena; the message names it."""
+    """An argument does not fit the arena; the message names the argument."""
 
 
 class StopError(GcmError, ValueError):
@@ -147,11 +147,11 @@ class StopError(GcmError, ValueError):
 
 
 class PhysicsError(GcmError, RuntimeError):
-    """Physics cannot move an arm: its body does not fit, or motors cannot keep its limits."""
+    """Physics cannot move an arm: no body fits, or motors cannot keep the arm's limits."""
 
 
 class BodyError(PhysicsError):
-    """No body fits an arm, so it cannot be executed."""
+    """No body fits an arm, so the arm's movements cannot be executed."""
 
 
 class PolicyError(GcmError, RuntimeError):

@@ -55,7 +55,7 @@ def register() -> None:
 
 
 class _Waiter(MetaPathFinder):
-    """Finds Gymnasium with a loader that registers, for whoever asks where it is or imports it."""
+    """Finder that gives Gymnasium a loader that registers the environments after the import."""
 
     asking = False
 
@@ -76,17 +76,17 @@ class _Waiter(MetaPathFinder):
 
 
 class _ThenRegister(Loader):
-    """Loads as another loader does, then registers."""
+    """Loader that loads as another loader does, then registers the environments."""
 
     def __init__(self, loader: Loader) -> None:
         self.loader = loader
 
     def create_module(self, spec: ModuleSpec) -> ModuleType | None:
-        """As the other loader does."""
+        """Create the module as the other loader does."""
         return self.loader.create_module(spec)
 
     def exec_module(self, module: ModuleType) -> None:
-        """As the other loader does; then register."""
+        """Execute the module as the other loader does; then register the environments."""
         self.loader.exec_module(module)
         sys.meta_path[:] = [f for f in sys.meta_path if not isinstance(f, _Waiter)]
         register()

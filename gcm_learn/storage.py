@@ -1,4 +1,4 @@
-"""Files that appear whole or not at all, hashes of what is in them, and the user's folders."""
+"""Files that are written whole or not at all, hashes of content, and the user's folders."""
 
 from __future__ import annotations
 
@@ -23,18 +23,18 @@ UNFINISHED = ".tmp"
 def whole_file(
     path: str | os.PathLike[str], *, suffix: str | None = None, durable: bool = False
 ) -> Iterator[Path]:
-    """Give a place to write to; it becomes `path` when the block ends without an error.
+    """Yield a temporary file to write to; it becomes `path` when the block ends without an error.
 
-    The place is made at once, so that a folder that is missing or cannot be written to is noticed
-    before the work begins. After any error, Ctrl-C included, it is gone and `path` is what it was
-    before. A pipe or device has no name to swap: it is written to directly.
+    The temporary file is made at once, so that a folder that is missing or cannot be written to is
+    noticed before the work begins. After any error, Ctrl-C included, it is gone and `path` is what
+    it was before. A pipe or device has no name to swap: it is yielded itself.
 
     Parameters
     ----------
     path : path-like
-        A file that is there is replaced, and keeps its permissions.
+        An existing file is replaced; its permissions are kept.
     suffix : str, optional
-        Of the place; by default that of `path`.
+        Suffix of the temporary file; by default that of `path`.
     durable : bool
         Survive a power cut: what is written reaches the disk before it gets its name.
 
@@ -67,9 +67,9 @@ def whole_file(
 
 @contextlib.contextmanager
 def whole_folder(path: Path) -> Iterator[Path]:
-    """Give a folder to fill; it becomes `path` when the block ends, unless that is there by then.
+    """Yield a folder to fill; it becomes `path` when the block ends, unless `path` exists by then.
 
-    The folders above it are made.
+    The folders above `path` are made.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
     place = path.with_name(temporary_name())
@@ -88,7 +88,7 @@ def whole_folder(path: Path) -> Iterator[Path]:
 def write_whole(
     path: str | os.PathLike[str], content: str | bytes | memoryview, *, durable: bool = False
 ) -> None:
-    """Write a file at once; see `whole_file`. Text is written as it is, in UTF-8."""
+    """Write a file whole or not at all, see `whole_file`; text is written as it is, in UTF-8."""
     raw = content.encode() if isinstance(content, str) else content
     with whole_file(path, suffix=UNFINISHED, durable=durable) as place:
         place.write_bytes(raw)
@@ -100,12 +100,12 @@ def temporary_name(suffix: str = UNFINISHED) -> str:
 
 
 def is_unfinished(name: str) -> bool:
-    """Return whether a file's name says that its writer did not come to the end."""
+    """Return whether a name is that of an unfinished file."""
     return name.startswith(".") and (name.startswith(TEMPORARY) or name.endswith(UNFINISHED))
 
 
 def to_disk(path: Path) -> None:
-    """Wait until what was written to a file is on the disk."""
+    """Wait until a file's content is on the disk."""
     with open(path, "r+b") as stream:
         os.fsync(stream.fileno())
 
@@ -124,7 +124,7 @@ def _mode_of(path: Path) -> int | None:
 
 
 def _reserved(path: Path, suffix: str | None, mode: int | None) -> Path:
-    """An empty file beside `path`, with the permissions of what it replaces."""
+    """Make an empty temporary file beside `path`, with the permissions `mode` if given."""
     place = path.with_name(temporary_name(path.suffix if suffix is None else suffix))
     os.close(os.open(place, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666))
     if mode is not None:
@@ -133,7 +133,7 @@ def _reserved(path: Path, suffix: str | None, mode: int | None) -> Path:
 
 
 def content_hash(*parts: str | bytes | memoryview) -> str:
-    """SHA-256 of parts one after the other, as 64 hexadecimal digits."""
+    """SHA-256 of the parts joined in order, as 64 hexadecimal digits."""
     digest = hashlib.sha256()
     for part in parts:
         digest.update(part.encode() if isinstance(part, str) else part)
@@ -141,7 +141,7 @@ def content_hash(*parts: str | bytes | memoryview) -> str:
 
 
 def stream_hash(stream: BinaryIO) -> str:
-    """SHA-256 of what is left in a stream, as 64 hexadecimal digits."""
+    """SHA-256 of the rest of a stream, as 64 hexadecimal digits."""
     return hashlib.file_digest(stream, "sha256").hexdigest()  # type: ignore[arg-type]
 
 
@@ -151,14 +151,14 @@ def content_number(content: bytes, size: int = 8) -> int:
 
 
 def user_cache(name: str) -> Path:
-    """A folder for what can be made again, on Linux ``~/.cache/gcm_learn/NAME``; not made."""
+    """Folder for files that can be made again, on Linux ``~/.cache/gcm_learn/NAME``; not made."""
     from platformdirs import user_cache_path
 
     return user_cache_path(APP, appauthor=False) / name
 
 
 def user_data(name: str) -> Path:
-    """A folder for what the user keeps, on Linux ``~/.local/share/gcm_learn/NAME``; not made."""
+    """Folder for files the user keeps, on Linux ``~/.local/share/gcm_learn/NAME``; not made."""
     from platformdirs import user_data_path
 
     return user_data_path(APP, appauthor=False) / name

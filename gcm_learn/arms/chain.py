@@ -30,7 +30,7 @@ FROM_MODEL = "model"
 
 
 class Start(NamedTuple):
-    """Names of what an arm has at t = 0, and the word for too much of it."""
+    """Names in messages about rates or accelerations at t = 0, and the word for excess."""
 
     field: str
     needs: str
@@ -137,7 +137,7 @@ class Chain:
         put(self, "ignore", self._ignore())
 
     def _limits(self, of: str) -> tuple[float, ...] | None:
-        """Return the limits (n,) of accelerations or jerk, with those of followers."""
+        """Return the limits (n,) of accelerations or jerk, lowered where followers need it."""
         given, field = getattr(self, f"max_joint_{of}"), f"max_{of}"
         lifted = of == "jerk" and self.max_joint_acceleration is None
         if isinstance(given, str) and given == FROM_MODEL:
@@ -188,7 +188,7 @@ class Chain:
 
     @cached_property
     def joint_range(self) -> tuple[tuple[float, float], ...]:
-        """(n, 2) Ends of each coordinate, its followers' ranges kept; the start is in between."""
+        """(n, 2) Range of each coordinate that keeps followers in range, widened to the start."""
         both = zip(self.model.ranges, self.joints, strict=True)
         return tuple((min(low, q), max(high, q)) for (low, high), q in both)
 
@@ -209,7 +209,7 @@ class Chain:
         return self.with_model(replace(self.model, links=links))
 
     def slower(self, share: float) -> Chain:
-        """Return the arm with a share of its speeds of hand and joints."""
+        """Return the arm with the speed limits of hand and joints multiplied by `share`."""
         speed = None if self.max_hand_speed is None else share * self.max_hand_speed
         joints = [replace(joint, max_speed=share * joint.max_speed) for joint in self.model.joints]
         slow = self.with_model(replace(self.model, joints=tuple(joints)))

@@ -20,7 +20,7 @@ REVOLUTE, PRISMATIC = 0.0, 1.0
 
 
 class Tree(NamedTuple):
-    """Branches and followers of a chain of k joints; a serial chain has None in its place."""
+    """Branches and followers of a chain of k joints; a serial chain has None instead of a Tree."""
 
     parents: np.ndarray  # (k,): frame on which each joint stands
     leaders: np.ndarray  # (k,): coordinate of each joint
@@ -54,7 +54,7 @@ def depth_of(tree, carriers, i):
 
 @njit(_nrt=False, forceinline=True)
 def moving(tree, i, step):
-    """Joint `step` of those that move link i, from the base outwards."""
+    """Return joint number `step`, from the base outwards, among the joints that move link i."""
     return step if tree is None else tree.paths[i, step]
 
 
@@ -66,7 +66,7 @@ def parent_of(tree, k):
 
 @njit(_nrt=False, forceinline=True)
 def line_of(tree, k):
-    """Coordinate of joint k, and factor and offset of its value."""
+    """Return the coordinate of joint k, and the factor and offset of the joint's value."""
     return (k, 1.0, 0.0) if tree is None else (tree.leaders[k], tree.lines[k, 0], tree.lines[k, 1])
 
 

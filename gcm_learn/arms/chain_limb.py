@@ -39,7 +39,7 @@ POINT, AXIS = 0, 3  # columns of `ChainLimb.reaches`
 
 
 class ChainLimb(NamedTuple):
-    """A chain of k joints and n coordinates as kernels read it, frame 0 at the origin."""
+    """Arrays of a chain of k joints and n coordinates for the kernels; frame 0 is at the origin."""
 
     joints: np.ndarray  # (k, 13): type, origin (3), rotation (9, row by row); z is the joint's axis
     low: np.ndarray  # (n,) ends of the joints' ranges
@@ -110,14 +110,14 @@ def dof(limb):
 
 @njit(_nrt=False, forceinline=True)
 def hand_of(limb, place):
-    """Hand where `place` left it."""
+    """Return the hand's position, three numbers, as last written by `place`."""
     row = limb.radii.size
     return limb.reaches[row, 0], limb.reaches[row, 1], limb.reaches[row, 2]
 
 
 @njit(_nrt=False, forceinline=True)
 def axis_of(limb, place):
-    """Direction of the hand where `place` left it."""
+    """Return the hand's direction, three numbers, as last written by `place`."""
     row = limb.radii.size
     return limb.reaches[row, 3], limb.reaches[row, 4], limb.reaches[row, 5]
 
@@ -130,7 +130,7 @@ def link_count(limb):
 
 @njit(_nrt=False, forceinline=True)
 def link(limb, place, i):
-    """Ends of a link's axis where `place` left them, and its radius."""
+    """Return the ends of a link's axis, six numbers as last written by `place`, and its radius."""
     r = limb.reaches
     return r[i, 0], r[i, 1], r[i, 2], r[i, 3], r[i, 4], r[i, 5], limb.radii[i]
 
@@ -332,7 +332,7 @@ def _tails(arm: Chain) -> np.ndarray:
 
 
 def limb_of_chain(arm: Chain, bodies: tuple[str, ...] = ()) -> ChainLimb:
-    """Return a chain as kernels read it.
+    """Return the arrays of a chain that the kernels read.
 
     Parameters
     ----------

@@ -124,7 +124,7 @@ class Link:
 
 @dataclass(frozen=True)
 class Hand:
-    """The point that catches and the direction in which it reaches.
+    """Hand of an arm: its catching point, and the direction in which it reaches.
 
     Parameters
     ----------
@@ -212,13 +212,13 @@ class ChainModel(JointTree):
         return tuple(result)
 
     def named(self, link: int) -> str:
-        """Return what messages call a link."""
+        """Return the name of a link in messages."""
         name = self.links[link].name or f"link {link}"
         return name if name.isprintable() else repr(name)
 
 
 def _records(value: object, field: str, record: type[Any]) -> tuple[Any, ...]:
-    """Return a tuple of at least one record of a type."""
+    """Return `value` as a tuple of at least one record, all of type `record`."""
     items = tuple(sequence(value, field, f"{record.__name__} records"))
     if not items:
         raise SituationError(field, "must not be empty")

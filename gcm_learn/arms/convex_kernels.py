@@ -14,7 +14,7 @@ FLAT = 1e-14  # squared height of a simplex, beside its size, at which it is one
 
 @njit(_nrt=False)
 def nearest_face(corners, count, system):
-    """Reduce a simplex to the face nearest to the origin, and return the number of its corners.
+    """Reduce a simplex to its face nearest to the origin; return that face's number of corners.
 
     The weights w of a face's corners C solve (C C^T + s) z = 1, with w = z / sum(z), for any s > 0.
 
@@ -62,7 +62,7 @@ def nearest_face(corners, count, system):
 
 @njit(_nrt=False)
 def solved(system, size, flat):
-    """Solve a system (size, 5) in place; false if it is singular, or a number is negative."""
+    """Solve equations (size, 5) in place; return False if singular, or if a number is negative."""
     for i in range(size):
         if system[i, i] <= flat:
             return False

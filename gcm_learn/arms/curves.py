@@ -33,7 +33,7 @@ def on_curve(curve, s, q):
 
 @njit(_nrt=False)
 def part(curve, since, until, out):
-    """Write the part of a move between two shares of it into `out` (n, 4), as a move."""
+    """Write the part of a move from share `since` to share `until` to `out` (n, 4), as a move."""
     width = until - since
     for j in range(curve.shape[0]):
         b, c, d = curve[j, 1], curve[j, 2], curve[j, 3]
@@ -51,7 +51,7 @@ def rate_of(curve, j, s):
 
 @njit(_nrt=False, forceinline=True)
 def turn_of(curve, j, s, half):
-    """Bound how far joint j turns from share s to s - half or s + half, at its fastest."""
+    """Bound the turn of joint j between share s of a move and share s - half or s + half."""
     rate = abs(rate_of(curve, j, s))
     bend = abs(2.0 * curve[j, 2] + 6.0 * s * curve[j, 3])
     return half * (rate + half * (bend + half * 3.0 * abs(curve[j, 3])))

@@ -18,7 +18,7 @@ HAIR = 1e-6
 
 @dataclass(frozen=True)
 class Follows:
-    """Leader of a joint without a coordinate of its own: its value is factor q + offset.
+    """Leader of a follower joint, whose value is factor q + offset at the leader's value q.
 
     Parameters
     ----------
@@ -51,7 +51,7 @@ class Line(NamedTuple):
 
 
 class JointTree:
-    """Joints of a model, each on a frame before it. Some follow another by a line.
+    """Tree of joints: each stands on an earlier frame, and some follow another joint by a line.
 
     Indices of joints count from 0 here, and frame k + 1 is that of joint k.
     """
@@ -59,7 +59,7 @@ class JointTree:
     joints: tuple[Any, ...]
 
     def check_tree(self) -> None:
-        """Refuse joints that stand on, or follow, what does not come before them."""
+        """Refuse joints whose parent or leader does not come before them."""
         for k, joint in enumerate(self.joints):
             if joint.parent is not None and not 0 <= joint.parent <= k:
                 reason = f"must be from 0 to {k}, a frame before the joint's (got {joint.parent})"
@@ -160,7 +160,7 @@ class JointTree:
         return tuple(ranges)
 
     def limits(self, own: Sequence[float], field: str) -> tuple[float, ...]:
-        """Return limits (n,) of coordinates: `own`, or what their followers' fields ask for."""
+        """Return limits (n,) of coordinates: `own`, lowered where limits of followers need it."""
         limits = list(own)
         for joint, line in self._bound:
             limit = getattr(joint, field)

@@ -1,4 +1,4 @@
-"""The registry of kinds of arms: the only place where the program asks which kind it has."""
+"""Registry of the kinds of arms: the only code that asks of which kind an arm is."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Entry = TypeVar("Entry")
 
 @dataclass(frozen=True, eq=False)
 class Kind:
-    """One kind of arm; equal to itself only, so that tables find it quickly.
+    """One kind of arm; equal only to itself, so that look-ups in tables are fast.
 
     Parameters
     ----------
@@ -83,7 +83,7 @@ _BY_TYPE: dict[type, Kind] = {}  # of records and of limbs
 
 
 def register_kind(kind: Kind) -> None:
-    """Make a kind of arm known by its record and its limb."""
+    """Register a kind of arm under the types of its record and of its limb."""
     _BY_ARM[kind.arm] = kind
     _BY_TYPE[kind.arm] = _BY_TYPE[kind.limb] = kind
 
@@ -98,7 +98,7 @@ def kinds() -> tuple[Kind, ...]:
 
 
 def kind_of(subject: Any) -> Kind:
-    """Return the kind of an arm or a limb, or of a situation or scene that has one.
+    """Return the kind of an arm or limb, or of the arm in a situation or scene.
 
     Raises
     ------
@@ -153,7 +153,7 @@ def solution_format(situation_format: str) -> str:
 
 
 class ByKind(Generic[Entry]):
-    """A table with one entry for each kind of arm, kept by the layer that needs it.
+    """Table with one entry for each kind of arm; each layer keeps its own tables.
 
     Parameters
     ----------
@@ -173,7 +173,7 @@ class ByKind(Generic[Entry]):
         self.who = who
 
     def register(self, kind: Kind, entry: Entry) -> None:
-        """Add the entry of a kind, or replace it."""
+        """Add or replace the entry of a kind."""
         self._entries[kind] = entry
 
     def takes(self, subject: Any) -> bool:
@@ -195,7 +195,7 @@ class ByKind(Generic[Entry]):
         return entry
 
     def _entry(self, kind: Kind) -> Entry | None:
-        """Return the entry of a kind, or of the kind of which it is a special case."""
+        """Return the entry of a kind, else of its general kind, else the default."""
         known = kind if kind in self._entries or kind.general is None else kind.general
         return self._entries.get(known, self._default)
 

@@ -101,7 +101,7 @@ def off_segment(points: np.ndarray, start: ArrayLike, end: ArrayLike) -> np.ndar
 
 
 def hands_along(arm: Any, joints: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
-    """Return the hand of an arm at postures (k, n), and the axis along which it reaches.
+    """Return the hand's positions and directions of reach at postures (k, n) of an arm.
 
     Returns
     -------

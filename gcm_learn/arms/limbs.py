@@ -1,9 +1,11 @@
-"""The seam between arms and kernels: functions of a limb, chosen by the limb's type.
+"""Interface between arms and kernels: functions of a limb, chosen by the limb's type.
 
 Kernels call these names with any limb; numba picks the implementation when it compiles, so a
-specialised body costs nothing at run time.  A *place* is what `place` returns and holds where the
-links are at one posture; a *slack* holds how far their points may travel.  Either may be a tuple of
-numbers, or a mere token where a limb keeps them in arrays of its own.
+specialised body costs nothing at run time.  A *place* is the value that `place` returns: where the
+links are at one posture.  A *slack* is the value of `still` and `swept`: how far points of the
+links may travel.  Both are handed on to other functions here, and may be tuples of numbers.  A
+`ChainLimb` writes links and travels into its own arrays instead, over those of the call before.
+The numbers that it returns then mean nothing; they are only passed on.
 """
 
 from __future__ import annotations
@@ -20,7 +22,7 @@ _FUNCTIONS: dict[str, Any] = {}
 
 
 def by_limb(contract: Callable[..., Any]) -> Any:
-    """Make a function of every limb; signature and docstring are its contract."""
+    """Make a function that dispatches on a limb's type, with the contract's own docstring."""
     made = _FUNCTIONS[contract.__name__] = wraps(contract)(by_type({}))
     return made
 
@@ -78,7 +80,7 @@ def link_count(limb):
 
 @by_limb
 def link(limb, place, i):
-    """Ends of the axis of link i, six numbers, and its radius beyond the limb's thickness."""
+    """Return the ends of link i's axis, six numbers, and its radius beyond the limb's thickness."""
 
 
 @by_limb
@@ -169,7 +171,7 @@ def postures_at(limb, x, y, z, k, count, low, high, out):
 
 @by_limb
 def inverts(limb):
-    """Return whether `postures_at` puts the hand at the point; else its postures are a start."""
+    """Return whether `postures_at` reaches the point exactly; if not, it gives initial guesses."""
 
 
 register_limb(ChainLimb, chain_limb)

@@ -1,4 +1,4 @@
-"""Links of one limb, whose ends are rows of an array: distances, and which are near a point."""
+"""Distances between the links of a limb, and the links near a point; link ends are array rows."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def nearest_pair(pairs, radii, r, balls, ways, enough):
 
 @njit(_nrt=False)
 def near_links(balls, ways, x, y, z, far, near):
-    """Write the links whose balls are within `far` of a point, less their slack, into `near`.
+    """Write to `near` the links whose balls, enlarged by `ways`, are within `far` of a point.
 
     Returns
     -------

@@ -69,7 +69,7 @@ def joints_of(hands, rho, side):
 
 
 def planar_limb_of(arm: Arm) -> PlanarLimb:
-    """Return a planar arm as kernels read it."""
+    """Return the numbers of a planar arm that the kernels read."""
     return PlanarLimb(
         arm.upper_arm, SIDE[arm.elbow], arm.inner_reach, arm.reach, arm.thickness, *arm.hand
     )

@@ -90,7 +90,7 @@ def unit_quaternion(
 
 
 def frame_along(axis: np.ndarray) -> np.ndarray:
-    """Return a rotation (3, 3) whose third column is a unit vector (3,)."""
+    """Return a rotation (3, 3) with the unit vector `axis` (3,) as its third column."""
     if axis[0] == axis[1] == 0.0 < axis[2]:
         return np.eye(3)
     first = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])

@@ -127,13 +127,13 @@ class SpatialArm(Chain):
         return replace(self, thickness=self.thickness + width)
 
     def slower(self, share: float) -> SpatialArm:
-        """Return the arm with a share of its speeds of hand and joints."""
+        """Return the arm with the speed limits of hand and joints multiplied by `share`."""
         speed = None if self.max_hand_speed is None else share * self.max_hand_speed
         joints: Any = tuple(share * top for top in self.max_joint_speed)
         return replace(self, max_hand_speed=speed, max_joint_speed=joints)
 
     def without_pairs(self) -> SpatialArm:
-        """Return the arm: its bones may overlap each other."""
+        """Return the arm itself: it has no pairs of links to keep apart."""
         return self
 
 

@@ -29,7 +29,7 @@ ROOM = ("frames", "axes", "reaches", "balls", "near", "ways", "turns", "paces")
 
 
 def spatial_limb_of(arm: SpatialArm, bodies: tuple[str, ...] = ()) -> ChainLimb:
-    """Return a spatial arm as kernels read it; links get their radius from its thickness."""
+    """Return the arrays of a spatial arm for the kernels; its thickness is the links' radius."""
     limb = _limb(arm.upper_arm, arm.forearm, arm.joint_range, arm.max_joint_speed)
     return limb._replace(
         start=np.array(arm.joints),
@@ -47,7 +47,7 @@ def _limb(
     ranges: tuple[tuple[float, float], ...],
     speeds: tuple[float, float, float, float],
 ) -> ChainLimb:
-    """Return the limb of bones; it is kept, since one is packed for every situation."""
+    """Return the limb of two bones, cached because every situation packs one."""
     rest: Any = tuple(low for low, _ in ranges)
     bones: Any = {
         "upper_arm": upper,
@@ -76,7 +76,7 @@ def _pole(
 
 @njit
 def _avoided(bones, ranges, spread, towards):
-    """First of the directions (m, 3) whose NEAREST-th nearest hand is farthest away.
+    """Return the first index in `towards` (m, 3) whose NEAREST-th nearest hand is farthest away.
 
     Parameters
     ----------
@@ -123,7 +123,7 @@ def _spread() -> np.ndarray:
 
 
 def _across(directions: np.ndarray) -> np.ndarray:
-    """One direction orthogonal to each."""
+    """Return for each direction (k, 3) one unit vector orthogonal to it."""
     least = np.abs(directions).argmin(axis=1)
     across = np.cross(directions, np.eye(3)[least])
     return np.array([row / np.linalg.norm(row) for row in across])
@@ -161,6 +161,6 @@ def inverse_in_space(
 
 
 def swivel_in_space(arm: SpatialArm, joints: ArrayLike) -> float:
-    """Swivel of the elbow at joint angles (4,): its angle about the line from shoulder to hand."""
+    """Return the elbow's swivel at joint angles (4,): its angle about the shoulder-hand line."""
     limb = spatial_limb_of(arm)
     return float(swivel_of(limb, *limb_at(limb, np.asarray(joints, dtype=float))))

@@ -101,7 +101,7 @@ def travel_of_bones(solved, q, p):
 
 @njit(_nrt=False)
 def swivel_axes(limb, x, y, z):
-    """Distance of a hand, its direction, and the axes from which swivels count: ten numbers."""
+    """Return a hand's distance and direction, and two axes that measure swivels: ten numbers."""
     s = limb.solved
     ox, oy, oz = s[ZERO], s[ZERO + 1], s[ZERO + 2]
     r = np.sqrt(x * x + y * y + z * z)
@@ -121,7 +121,7 @@ def swivel_axes(limb, x, y, z):
 
 @njit(_nrt=False)
 def swivel_of(limb, ex, ey, ez, hx, hy, hz):
-    """Return the swivel of an elbow, in (-pi, pi] [rad]; any number where its circle is a point."""
+    """Return an elbow's swivel in (-pi, pi] [rad]; arbitrary if the elbow's circle is a point."""
     _, _, _, _, ax, ay, az, bx, by, bz = swivel_axes(limb, hx, hy, hz)
     return np.arctan2(ex * bx + ey * by + ez * bz, ex * ax + ey * ay + ez * az)
 
@@ -146,7 +146,7 @@ def elbow_at(limb, hx, hy, hz, swivel):
 
 @njit(_nrt=False)
 def in_range(angle, low, high, near):
-    """Return whether an angle, whole turns aside, is in a range, and the one nearest `near`."""
+    """Return whether an angle, up to whole turns, is in a range, and its value nearest `near`."""
     turn = 2.0 * np.pi
     least, most = np.ceil((low - SLACK - angle) / turn), np.floor((high + SLACK - angle) / turn)
     turns = min(max(np.round((near - angle) / turn), least), most)

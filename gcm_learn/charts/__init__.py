@@ -1,4 +1,4 @@
-"""Hand-space: its charts, and what obstacles are in it."""
+"""Charts of hand-space, clearances of their cells, and obstacles extended into hand-space."""
 
 from gcm_learn.charts.chart import SMALLEST_LATTICE as SMALLEST_LATTICE, Chart as Chart
 from gcm_learn.charts.clearances import cell_clearances as cell_clearances

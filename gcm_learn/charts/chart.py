@@ -23,7 +23,7 @@ class Chart(ABC):
     @property
     @abstractmethod
     def kind(self) -> Kind:
-        """Kind of arm whose hand-space it is."""
+        """Kind of the arm whose hand-space the chart covers."""
 
     @property
     @abstractmethod

@@ -1,6 +1,6 @@
-"""Extended obstacles as curves (Eqs. 4-9): what a point of the world is in hand-space.
+"""Extended obstacles as curves (Eqs. 4-9): images of the world's points in hand-space.
 
-Planning asks cells instead (`collision.occupancy`); curves draw figures and test that predicate.
+Planning tests single cells instead (`collision.occupancy`); curves serve figures and check that.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from gcm_learn.situation import Situation
 
 
 def reach_angle(point: ArrayLike, upper_arm: float = 1.0) -> float:
-    """phi_max of Eq. 5, with its argument clipped (erratum 2).
+    """Return phi_max of Eq. 5, with the argument of the arccos clipped (erratum 2).
 
     Parameters
     ----------
@@ -69,7 +69,7 @@ def extended_obstacle(
 
 
 def occupied_cells(situation: Situation, lattice: Lattice, t: float) -> np.ndarray:
-    """Cells whose hand position makes the limb touch an obstacle at time t (Gamma of Eq. 11).
+    """Mark the cells in which the limb touches an obstacle at time t (Gamma of Eq. 11).
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The lattice over the hand's places in space: cells whose postures a front finds on its way."""
+"""Lattice over the hand's positions in space; a front finds the cells' postures on its way."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ LARGEST_HAND_LATTICE = 80
 
 
 class Nodes(NamedTuple):
-    """The cells as kernels read them; a front writes the posture by which it comes to a cell."""
+    """Arrays over the cells, for kernels; a front writes the posture in which it reaches a cell."""
 
     limb: Any
     n: int  # cells along a side

@@ -1,4 +1,4 @@
-"""Charts of the kinds of arms: the only file of this folder that asks which kind it has."""
+"""Charts by the kind of arm; no other file of this folder branches on the kind."""
 
 from __future__ import annotations
 

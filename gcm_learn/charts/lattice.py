@@ -1,4 +1,4 @@
-"""The lattice over hand-space in the plane: the chart whose nodes are cells."""
+"""Lattice over hand-space in the plane: a chart with one node per cell."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ class HandSpace(NamedTuple):
 
 @lru_cache(maxsize=16)
 def hand_space(lattice: Lattice) -> HandSpace:
-    """Per-cell geometry of a lattice; computed once and shared, so treat it as read-only."""
+    """Return the geometry of a lattice's cells; computed once and shared, so read-only."""
     limb, stride, inside = _geometry(lattice.centres, lattice.upper_arm, SIDE[lattice.elbow])
     for array in (limb, stride, inside):
         array.setflags(write=False)
@@ -98,7 +98,7 @@ def hand_space(lattice: Lattice) -> HandSpace:
 
 @lru_cache(maxsize=16)
 def cell_joints(lattice: Lattice) -> np.ndarray:
-    """Joint angles (n * n, 2) of the arm with its hand in every cell [rad]; shared, read-only."""
+    """Return joint angles (n * n, 2) with the hand in every cell [rad]; shared, read-only."""
     x, y, ex, ey = hand_space(lattice).limb.T
     fx, fy = x - ex, y - ey
     bend = np.arctan2(ex * fy - ey * fx, ex * fx + ey * fy)

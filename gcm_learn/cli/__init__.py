@@ -60,7 +60,7 @@ def _run(command: Command) -> int:
 
 
 def _complain(error: BaseException) -> int:
-    """Say what went wrong in one line and return the exit code."""
+    """Print an error, but no broken pipe, as one line on standard error; return the exit code."""
     if os.environ.get("GCM_LEARN_TRACEBACK"):
         traceback.print_exc()
     if isinstance(error, OSError):
@@ -89,7 +89,7 @@ def _verdict(error: BaseException) -> tuple[str, int]:
 
 
 def _silence_stdout() -> None:
-    """Point standard output at nothing, or the interpreter complains when it flushes at exit."""
+    """Redirect standard output to the null device, so that flushing it at exit raises no error."""
     try:
         nothing = os.open(os.devnull, os.O_WRONLY)
         os.dup2(nothing, sys.stdout.fileno())

@@ -120,7 +120,7 @@ def parse(argv: Sequence[str]) -> Command | None:
 
 
 def _record(name: str, argv: Sequence[str]) -> Command | None:
-    """Return the record of a command; tyro knows, and suggests, the options of this one only."""
+    """Return a command's record; tyro is told, and suggests, the options of this command only."""
     import tyro
 
     module, record = COMMANDS[name].place.split(":")
@@ -137,7 +137,7 @@ def _record(name: str, argv: Sequence[str]) -> Command | None:
 
 
 def _unknown(argv: Sequence[str], group: Sequence[str]) -> Exception:
-    """Return what is wrong with arguments that name no command."""
+    """Return the error for arguments that name no command."""
     if not argv or (group and not argv[1:]):
         known = ", ".join(group or COMMANDS)
         return CommandFailure(f"a command is missing: {known} (see gcm-learn --help)")
@@ -163,7 +163,7 @@ def _overview(names: Iterable[str]) -> str:
 
 
 def _summary(box: str) -> str:
-    """Return the title and first section of tyro's framed complaint, as one line."""
+    """Return the title and first section of tyro's framed error message as one line."""
     bare = re.sub(r"\x1b\[[0-9;]*m", "", box)
     title, *rest = [line.strip(" ╭╮╰╯│─") for line in bare.splitlines()] or ["bad arguments"]
     section = itertools.takewhile(

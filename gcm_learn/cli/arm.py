@@ -94,7 +94,7 @@ class Arm:
     """picture of the arm and its capsules, as .png, .pdf or .svg"""
 
     def run(self) -> int:
-        """List, or read, cover, write, and say how it went."""
+        """List the shipped arms, or make an arm of a robot file, write it and print a report."""
         if self.robot is None:
             print("\n".join(shipped()))
             return 0
@@ -163,7 +163,7 @@ class Arm:
 
 
 def shipped() -> list[str]:
-    """Return a line for each arm that ships, by the name that situations may give as its model."""
+    """Return a line for each shipped arm, beginning with its name as a model in situations."""
     from gcm_learn.situation import arm_names, shipped_arm
 
     models = {name: shipped_arm(name) for name in arm_names()}
@@ -183,7 +183,7 @@ def counts(model: ChainModel) -> str:
 
 
 def report(fitted: Fitted) -> list[str]:
-    """Return what a user would check, line by line."""
+    """Return lines on an arm for the user to check: capsules of its links, self-collisions."""
     lines = [f"{fitted.model.name}: {counts(fitted.model)}"]
     width = max(len(cover.link) for cover in fitted.covers)
     for cover in fitted.covers:

@@ -49,7 +49,7 @@ class Calibrate:
     """where the margin goes as JSON; - is standard output, in place of lines for people"""
 
     def run(self) -> int:
-        """Calibrate; say what the margin is and whether it holds."""
+        """Calibrate a margin on the tracks, write it, and print its size and coverage."""
         refuse_missing(self.tracks)
         refuse_same({"TRACKS": self.tracks, "--out": self.out})
         from gcm_learn.evaluation import calibrate
@@ -69,7 +69,7 @@ class Calibrate:
         return 0
 
     def _told(self, done: Calibration, short: int) -> str:
-        """Say what the margin is, what it is from and whether it holds."""
+        """Return a text on the margin, the tracks behind it and its held-out coverage."""
         (now, rate), horizon = dataclasses.astuple(done.margin), self.horizon
         share, low, high = (100.0 * value for value in done.covered)
         return f"""\

@@ -42,7 +42,7 @@ class Cluster:
     """of what is drawn"""
 
     def run(self) -> int:
-        """Find clusters and write what they are."""
+        """Cluster the catches; write a page and a table with the cluster of every catch."""
         refuse_missing(self.source)
         dataset_package()  # the table needs pyarrow, too
         import pyarrow as pa
@@ -73,7 +73,7 @@ class Cluster:
         return 0
 
     def _catches(self) -> tuple[Any, list[int], list[Any] | None]:
-        """Return the catches, their numbers in the source, and their maps if it holds them."""
+        """Return the catches, their numbers in the source, and their maps or None."""
         from gcm_learn.recall import Memory, is_memory, remember
 
         if is_memory(self.source):

@@ -1,4 +1,4 @@
-"""``gcm-learn compare``: whatever acts, on any situations, as one sheet and its page."""
+"""``gcm-learn compare``: answers of planners and policies to the same situations, with a page."""
 
 from __future__ import annotations
 

@@ -56,7 +56,7 @@ class Cover:
     """of these draws"""
 
     def run(self) -> int:
-        """Enlarge the cover; say what it covers, and what it does not and why."""
+        """Enlarge the cover; print the covered share of the box, and the reasons for the rest."""
         from gcm_learn.cover import Budget, grow, parametric_family
         from gcm_learn.processes import crew_of
 
@@ -77,7 +77,7 @@ class Cover:
         return self._checked(cover) if self.check else 0
 
     def _begun(self, family: ParametricFamily) -> Grown:
-        """Return the cover of the folder, or a new one."""
+        """Return the cover in the folder, or an empty cover of the family if there is none."""
         from gcm_learn.cover import Cover, is_cover, load_cover
 
         if not is_cover(self.out):
@@ -99,7 +99,7 @@ class Cover:
 
 
 def summary(out: Path, cover: Grown) -> str:
-    """Return what a cover covers, and what it does not and why."""
+    """Return lines on the covered share of the box, and on the reasons for the rest."""
     lines = [
         f"{out}: {100.0 * cover.share:.1f} % of {cover.family.name} with "
         f"{len(cover.family.parameters)} free parameters, {len(cover.used)} stored catches, "

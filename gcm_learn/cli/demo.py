@@ -58,7 +58,7 @@ class Demo:
     """number of random situations"""
 
     def run(self) -> int:
-        """Do what is asked for."""
+        """List names, draw a figure, copy a file or build the page, as the options ask."""
         if self.list:
             names = {"figures of the paper": [*FIGURES]}
             names |= {title: [path.name for path in paths] for title, paths in _examples().items()}
@@ -79,13 +79,13 @@ class Demo:
 
 
 def _compile() -> None:
-    """Compile in several processes what the page runs."""
+    """Compile, in several processes, the kernels that the page needs."""
     say("compiling once for the arms of the page: one or two minutes on two cores")
     side_by_side(COMPILED)
 
 
 def _drawn(name: str, out: Path | None) -> Path:
-    """Draw a figure of the paper; return its file."""
+    """Draw a figure of the paper into a file and return the file's path."""
     if name not in FIGURES:
         raise UnknownNameError.among("figure", name, FIGURES)
     target = out or Path(f"{name}.png")
@@ -116,7 +116,7 @@ def _copied(name: str, out: Path | None) -> Path:
 
 
 def _examples() -> dict[str, list[Path]]:
-    """Return what can be copied, by titles."""
+    """Return the files and folders that can be copied, by their headings."""
     from gcm_learn.artifacts import source
 
     return {title: sorted(source().glob(place)) for title, place in PLACES.items()}

@@ -60,7 +60,7 @@ class Draw:
 
 
 def _listed(name: str) -> Iterator[str]:
-    """Yield families and presets with summaries, or the ranges of one, a range a line."""
+    """Yield lines with all families, presets and summaries, or the ranges of the named family."""
     from gcm_learn.families import PRESETS, family_names, family_to_dict, get_family
 
     if name:

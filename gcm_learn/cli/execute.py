@@ -122,7 +122,7 @@ class Execute:
         return 1 if counts["failed"] else 0
 
     def _asked(self) -> list[tuple[Bodied, Who]]:
-        """Return the situations of the file, and who plans in each."""
+        """Return each situation of the file with its planner or policy."""
         from gcm_learn.planners import check_name
 
         check_name(self.planner or "search")

@@ -1,4 +1,4 @@
-"""Endings of commands that cannot go on: one line on standard error."""
+"""Errors that end a command with one line on standard error."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def one_line(message: str) -> str:
 
 
 def place_of(error: BaseException) -> str:
-    """Name an unexpected error and the source line it came from."""
+    """Return the type and message of an unexpected error, and the source line that raised it."""
     frames = traceback.extract_tb(error.__traceback__)
     where = f" ({os.path.basename(frames[-1].filename)}:{frames[-1].lineno})" if frames else ""
     return f"{type(error).__name__}: {error}{where}"
@@ -53,7 +53,7 @@ def why(error: OSError) -> str:
 
 
 def dataset_package() -> ModuleType:
-    """The package of datasets; says what to install if it cannot be loaded."""
+    """Return the package of datasets; if it cannot be loaded, the error says what to install."""
     try:
         return importlib.import_module("gcm_learn.dataset")
     except ImportError as error:

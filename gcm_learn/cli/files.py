@@ -21,7 +21,7 @@ FORMATS = (".png", ".pdf", ".svg")
 
 @contextlib.contextmanager
 def staged(target: Path, *, option: str = "--out") -> Iterator[Path]:
-    """Give a place to write to; it becomes `target` when the block ends without an error.
+    """Yield a temporary file, which becomes `target` when the block ends without an error.
 
     See `storage.whole_file`, whose error becomes one that names the option.
 
@@ -69,7 +69,7 @@ def refuse_missing(*places: str | Path) -> None:
 
 
 def refuse_same(places: Mapping[str, Path | None]) -> None:
-    """Refuse a file that two arguments name, by the later one.
+    """Refuse two arguments that name the same file; the error is about the later argument.
 
     Parameters
     ----------
@@ -90,7 +90,7 @@ def refuse_same(places: Mapping[str, Path | None]) -> None:
 
 
 def made_folder(path: Path, *, option: str) -> Path:
-    """Return the folder `path`, made when it is missing, after checking that it takes files."""
+    """Make the folder `path` if it is missing, check that it takes files, and return it."""
     try:
         path.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=path):
@@ -123,7 +123,7 @@ class FileNames:
 def drawn_into(
     folder: Path, ending: str, draw: Callable[[Any, Any, Path], None], *, option: str
 ) -> Callable[[Any, Any], None]:
-    """Return a function that draws into a file of its situation's name.
+    """Return a function that draws a situation into a file named after the situation.
 
     Parameters
     ----------

@@ -56,7 +56,7 @@ class Generate:
     """only estimate the time and the size, and make nothing"""
 
     def run(self) -> int:
-        """Make what is missing and say what there is."""
+        """Make the missing records and print a summary; with --dry-run print only an estimate."""
         refuse_missing(self.spec)
         part = _part(self.shards)
         dataset = dataset_package()
@@ -86,7 +86,7 @@ class Generate:
         return self._check(manifest["records"]) if self.verify else 0
 
     def _check(self, total: int) -> int:
-        """Verify what there is; the exit code is 1 if anything is wrong."""
+        """Verify the dataset and print its faults; return 1 if there are faults, else 0."""
         from gcm_learn.dataset import verify_dataset
 
         with Progress(total, "records verified") as progress:

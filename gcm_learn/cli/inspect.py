@@ -37,7 +37,7 @@ class Inspect:
     """of --pictures: situations of every stratum; of a memory a hundred times as many catches"""
 
     def run(self) -> int:
-        """Print it, then what is wrong with its shards; the exit code is 1 if anything is."""
+        """Print the contents of the path, then any faults of shards; return 1 if there are any."""
         refuse_missing(self.path)
         place = Path(self.path)
         told = next((told for there, told in _MODELS if there(place)), None)
@@ -52,7 +52,7 @@ class Inspect:
         return code
 
     def _survey(self) -> int:
-        """Print what a dataset holds and what is wrong with it."""
+        """Print a dataset's contents, then its faults; return 1 if there are faults, else 0."""
         dataset = dataset_package()
         print("\n".join(report(dataset.survey(self.path))))
         faults = list(dataset.faults_of(dataset.Folder(self.path), hashes=self.verify))

@@ -44,7 +44,7 @@ class Interrupts:
             self._timer.cancel()
 
     def caused(self, error: BaseException) -> bool:
-        """Whether an error is an interrupt, or what came of one.
+        """Return whether an error is an interrupt or a consequence of an interrupt.
 
         Compiled code that was interrupted while it returned says ``SystemError: returned a result
         with an exception set``, and a library that was being loaded may say anything.
@@ -56,7 +56,7 @@ class Interrupts:
         return self.ended
 
     def leave(self, code: int) -> None:
-        """End this process, if it was interrupted, as the last thing that it does.
+        """End this process with an exit code if it was interrupted; to be called last.
 
         Otherwise the interpreter would end itself by a signal if any code that it ran from a
         string, e.g. in the making of a named tuple, was interrupted.

@@ -55,7 +55,7 @@ class Make:
     """a Dask scheduler whose workers are used, tcp://HOST:PORT"""
 
     def run(self) -> int:
-        """Make the memory and say what is in it."""
+        """Make and save the memory; print its number of catches and its index."""
         refuse_missing(self.dataset)
         if self.synthetic and self.planner:
             raise CommandFailure("--planner: has no part in --synthetic")
@@ -132,7 +132,7 @@ class Embed:
 
 
 def _rows(memory: Memory) -> dict[str, Any]:
-    """Return the embeddings of a memory's catches, and what is known of these."""
+    """Return a memory's digest, and embedding, index, family and stratum of each catch."""
     return {
         "embeddings": memory.embeddings, "index": range(len(memory)),
         "families": memory.families, "strata": memory.strata, "memory": memory.digest,
@@ -140,7 +140,7 @@ def _rows(memory: Memory) -> dict[str, Any]:
 
 
 def _own_maps(records: Dataset, index: LearnedIndex) -> dict[str, Any]:
-    """Return the embeddings of the maps that records hold, and what is known of these."""
+    """Return the embeddings of the records' maps, with index, family and stratum of each record."""
     from gcm_learn.recall import embed
 
     held = [record for record in records if record.map is not None]
@@ -167,7 +167,7 @@ def split_of(folder: str, split: str) -> Dataset:
 
 
 def _encoder(name: str) -> Path:
-    """Return the folder of an encoder by its name, or by itself."""
+    """Return the folder of an encoder that is given by its name or by its folder."""
     from gcm_learn import artifacts
     from gcm_learn.recall import CONFIG
 

@@ -15,12 +15,12 @@ UNITS = {"ms": 1e-3, "s": 1.0, "min": 60.0, "h": 3600.0}  # [s]
 
 
 def given(metavar: str, default: str) -> Any:
-    """Return how an option's value is called in the help, and what is done without the option."""
+    """Return an option's help texts: the name of its value, and its default in words."""
     return arg(metavar=metavar, help_behavior_hint=f"(default: {default})")
 
 
 def seconds(text: str) -> float:
-    """Return a time that is told with its unit, such as ``20ms`` or ``0.02s`` [s].
+    """Return a time [s] from a text with a unit, such as ``20ms`` or ``0.02s``.
 
     Raises
     ------

@@ -32,7 +32,7 @@ class Play:
     """open the page in a browser; --no-browser only prints its address"""
 
     def run(self) -> int:
-        """Serve the page until it is interrupted."""
+        """Serve the page until Ctrl-C."""
         from gcm_learn.play import KINDS, Newest, Server, example, respond
 
         start = example() if self.file is None else _first(self.file)
@@ -47,7 +47,7 @@ class Play:
 
 
 def _first(file: str) -> dict[str, Any]:
-    """Return the first situation of a file as JSON, if the page can show it."""
+    """Return the first situation of a file as JSON; refuse one that the page cannot show."""
     from gcm_learn.errors import SituationError
     from gcm_learn.play import shown
     from gcm_learn.situation import read_situations, situation_to_json

@@ -56,7 +56,7 @@ class Progress:
         self._bar: Bar | None = None
 
     def advance(self, count: int = 1) -> None:
-        """Note that `count` more items are done, and renew the bar when it is due."""
+        """Count `count` more finished items, and redraw the bar when an update is due."""
         self.done += count
         now = self._clock()
         if self._live and now >= self._next:
@@ -94,7 +94,7 @@ class Progress:
 
 
 def _bar(stream: TextIO, clock: Callable[[], float]) -> Bar:
-    """Return a bar on a terminal; rich is imported here, for it takes as long as a short job."""
+    """Return a bar on a terminal; rich is imported here: that takes as long as a short job."""
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress as Bar, TextColumn
 

@@ -124,7 +124,7 @@ class Solve:
 
 
 def read(file: str, planner: Planner | None = None, index: int | None = None) -> list[AnySituation]:
-    """Return the situations of a file or of standard input (``-``), all or the one of an index.
+    """Return all situations of a file or of standard input (``-``), or only the one at `index`.
 
     Raises
     ------
@@ -268,7 +268,7 @@ class Trajectories:
         """Number of catches without a file."""
 
     def write(self, situation: AnySituation, plan: Plan) -> None:
-        """Write the trajectory of a catch, or say in one line why not."""
+        """Write the trajectory of a catch, or print in one line why it cannot end with a stop."""
         from gcm_learn.errors import StopError
 
         if plan.trajectory is None:

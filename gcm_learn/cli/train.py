@@ -103,7 +103,7 @@ class Encoder:
     """a Dask scheduler whose workers do that instead, tcp://HOST:PORT"""
 
     def run(self) -> int:
-        """Train, write the model and say how good it is."""
+        """Train the encoder, write the model and print its scores."""
         refuse_missing(self.dataset)
         from gcm_learn.processes import crew_of
 

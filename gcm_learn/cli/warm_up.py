@@ -1,4 +1,4 @@
-"""``gcm-learn warm-up``: compile now what is compiled at the first plan otherwise."""
+"""``gcm-learn warm-up``: compile kernels now that would otherwise be compiled at the first plan."""
 
 from __future__ import annotations
 
@@ -93,7 +93,7 @@ class WarmUp:
 
 
 def side_by_side(tasks: Sequence[Task], workers: int | None = None) -> None:
-    """Do tasks in several processes, which compile what they run; neighbours differ in their arm.
+    """Run tasks in several processes to compile their kernels; neighbours differ in their arm.
 
     Each kernel is kept at once, so that an interrupted command can go on.
     """
@@ -105,7 +105,7 @@ def side_by_side(tasks: Sequence[Task], workers: int | None = None) -> None:
 
 
 def answered(task: Task) -> bool:
-    """Let a planner answer an example, or step an arena; return whether it takes the arm."""
+    """Run a planner on an example, or step an arena; return whether the planner takes the arm."""
     from gcm_learn.errors import ArmKindError
     from gcm_learn.families import draw
     from gcm_learn.planners import solve

@@ -64,7 +64,7 @@ def segment_distance(bodies, poses, b, ax, ay, bx, by):
 
 @njit(_nrt=False)
 def _limb_distance(bodies, poses, b, hx, hy, ex, ey):
-    """Distance of body b to the limb, the longer way round, for bodies that are no balls.
+    """Distance of body b to the limb, for bodies other than balls.
 
     The half that the ball about the body shows to be farther away is left out.
     """
@@ -85,7 +85,7 @@ def _limb_distance(bodies, poses, b, hx, hy, ex, ey):
 
 @njit(_nrt=False, forceinline=True)
 def arm_distance(bodies, poses, b, hx, hy, ex, ey):
-    """Distance of body b to what it can touch: the hand (targets) or the whole limb (obstacles).
+    """Distance of body b to the hand if it is a target, to the whole limb if an obstacle.
 
     Parameters
     ----------

@@ -88,7 +88,7 @@ def last_use(ways, end, speed, x, y, z=0.0):
 
 @njit
 def shorten(postures, cells, since, until, count, shortest):
-    """Lower `until` where a cell that is free at `since` is touched before; see above."""
+    """Lower `until` to the first touch of each cell that is free at `since`."""
     bodies, limb, gap, _, scratch = postures
     for b in range(bodies.rows.shape[0]):
         if bodies.rows[b, PART] == HAND or bodies.rows[b, TOP_SPEED] == 0.0:
@@ -107,9 +107,9 @@ def shorten(postures, cells, since, until, count, shortest):
 
 @njit
 def meet(postures, gap, cells, since, until, count, shortest, best):
-    """Find the earliest moment at which a target comes to one of the cells while it is safe.
+    """Find the earliest time at which a target comes to one of the cells in its safe interval.
 
-    A target comes when it is within `gap` of the hand; `best` bounds what is of interest.
+    A target comes when it is within `gap` of the hand; times from `best` on do not count.
     Returns (index or -1, body, time [s]).
     """
     bodies, limb, _, _, scratch = postures

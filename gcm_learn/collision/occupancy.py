@@ -1,4 +1,4 @@
-"""Ask, don't rasterise: does the limb with its hand in this cell touch a body, now or lately?"""
+"""Tests, without a raster, whether the limb in a cell touches a body now or in a span of time."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ MOST_LOOKS = 256  # at one span of time, against absurdly fast bodies
 
 
 class Postures(NamedTuple):
-    """Limbs at rest, one for every cell, and the bodies that may come to them."""
+    """Resting limbs, one for every cell, and the bodies that may touch them."""
 
     bodies: Bodies
     limb: np.ndarray  # (m, 4): hand x, y and elbow x, y
@@ -88,7 +88,7 @@ def first_touch(bodies, b, hx, hy, ex, ey, gap, t0, t1, shortest, scratch):
 
 @njit
 def blocked_cells(postures, cells, since, count, now, shortest, blocked):
-    """Mark the cells whose limb an obstacle comes near at any instant of a span of time.
+    """Mark the cells whose limb an obstacle touches at any instant of a span of time.
 
     Parameters
     ----------

@@ -20,7 +20,7 @@ _MOST = 1_000_000  # checks of one path before it counts as touching: bodies may
 
 
 class Sweep(NamedTuple):
-    """A timed path that is searched for its least distance, and arrays to work in."""
+    """Timed path to be searched for the least distance, with working arrays."""
 
     time: np.ndarray  # (n,) [s]
     hand: np.ndarray  # (n, 2)
@@ -84,7 +84,7 @@ def limb_distance(scene, b, t, x, y, poses):
 
 @njit(_nrt=False, forceinline=True)
 def _balls_by(centre, bodies, b, time, hand, elbow, poses, bound):
-    """`_balls` of a body whose centre is found by a function: `glide` or `swing`."""
+    """Compute `_balls` with `centre` as the function of the body's centre: `glide` or `swing`."""
     nearest, reach = 0, bodies.rows[b, REACH]
     for k in range(time.size):
         x, y, z = centre(bodies, b, time[k], poses)
@@ -97,7 +97,7 @@ def _balls_by(centre, bodies, b, time, hand, elbow, poses, bound):
 
 @njit(_nrt=False)
 def _balls(bodies, b, time, hand, elbow, poses, bound):
-    """Bound a limb's distance to body b at all samples from below, by the ball that holds it.
+    """Bound the limb's distance to body b from below at all samples, by the ball about b.
 
     Written into `bound`; exact for discs. Returns the sample with the smallest bound.
     """
@@ -108,13 +108,13 @@ def _balls(bodies, b, time, hand, elbow, poses, bound):
 
 @njit(_nrt=False)
 def _at_samples(bodies, time, hand, elbow, floor, poses, bound):
-    """Smallest distance at the samples, and when; where it is not above `floor`, the first such.
+    """Return the smallest distance at the samples and its time; stop at a sample within `floor`.
 
     Parameters
     ----------
     bound : (bodies, n) ndarray
         Filled with a lower bound of the distance of every obstacle at every sample. Only where
-        that may be the smallest one is the distance itself asked for, and written there.
+        that may be the smallest one is the distance itself computed, and written there.
     """
     best, when, enough = 1e300, 0.0, 1e300
     for b in range(bodies.rows.shape[0]):
@@ -227,7 +227,7 @@ def _low_by_parts(scene, b, x0, y0, x1, y1, sweep, enough, poses):
 
 @njit(_nrt=False)
 def least_in_segment(scene, work, b, k, d0, d1, best, when, looks):
-    """`least_distance` to body b between samples k and k + 1, whose distances are d0 and d1.
+    """Search for `least_distance` to body b between samples k and k + 1, at distances d0 and d1.
 
     Parameters
     ----------
@@ -236,12 +236,12 @@ def least_in_segment(scene, work, b, k, d0, d1, best, when, looks):
     best, when : float
         The least distance so far, and its time [s].
     looks : int
-        Distances asked for so far.
+        Distances computed so far.
 
     Returns
     -------
     best, when, looks
-        As they are then.
+        Their values after the search.
     """
     bodies, time, hand, poses, stack = scene.bodies, work.time, work.hand, work.poses, work.stack
     floor, resolution = work.floor, work.resolution

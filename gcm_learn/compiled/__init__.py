@@ -1,4 +1,4 @@
-"""Compiled kernels: the one folder in which private parts of numba are used."""
+"""Compiled kernels; only this folder uses private parts of numba."""
 
 from typing import TYPE_CHECKING
 

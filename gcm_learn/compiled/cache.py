@@ -1,4 +1,4 @@
-"""Kept machine code, by content, and behind it code that was compiled ahead.
+"""Cache of machine code under hashes of its sources, and code that was compiled ahead.
 
 Numba's cache renews a function when its own file changes, but not when a function that it calls
 does.  It keeps code beside the sources, where an installed package must not write.  Here code lies
@@ -7,8 +7,8 @@ that it imports.  A change renews what depends on it, and equal sources share th
 holds the code for one list of types of arguments, under a hash of these types and of the sources
 behind them.  Code that cannot be read is compiled.
 
-Behind that folder lies another one, which is only read: the package `gcm_learn_kernels`. Its code
-was compiled ahead for a kind of processor that this one can stand in for.
+If that folder lacks the code, a second one is read: the package `gcm_learn_kernels`. Its code was
+compiled ahead, for a kind of processor whose features this processor has.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ def _modules_of(given: Any) -> Iterator[str]:
 
 
 class Place(NamedTuple):
-    """Folder of code, and the machine that it is for."""
+    """Folder of code, and the machine that the code is for."""
 
     folder: Path
     machine: tuple[str, str, str]
@@ -61,7 +61,7 @@ class Place(NamedTuple):
 
 @cache
 def ahead() -> Place | None:
-    """Return the code that was compiled ahead, if this processor can run it and it is wanted."""
+    """Return the place of code compiled ahead; None without code that is wanted and runs here."""
     spec = None if os.environ.get("GCM_LEARN_NATIVE") else importlib.util.find_spec(KERNELS)
     if spec is None or spec.origin is None:
         return None
@@ -77,9 +77,9 @@ def ahead() -> Place | None:
 
 
 class Cache:
-    """Kept code of one function, as numba asks for it.
+    """Cache of one function's code, with the methods that numba calls.
 
-    Code that cannot be read or written is no reason to fail.
+    Errors in reading or writing code never reach the caller.
 
     Code for limbs of other modules is compiled anew in each process.  The hash lacks the sources of
     these modules, and other processes may be unable to import them.  Numba's own cache has one
@@ -89,7 +89,7 @@ class Cache:
     ----------
     function : callable
     kind : str
-        With which names of files begin.
+        Prefix of the files' names.
     """
 
     def __init__(self, function: Callable[..., Any], kind: str = "") -> None:
@@ -108,7 +108,7 @@ class Cache:
         return str(folder() / self._folder)
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
-        """Return the code of a signature; None where it has to be compiled."""
+        """Return the kept code of a signature; None if the code has to be compiled."""
         for place in (Place(folder(), _machine(target_context.codegen())), ahead()):
             with contextlib.suppress(Exception):  # whatever is wrong with what is kept
                 if place is not None and self._may_keep(sig):
@@ -117,15 +117,15 @@ class Cache:
         return None
 
     def _rebuilt(self, target_context: Any, data: Any) -> Any:
-        """Return what was compiled, ready to run.
+        """Return the kept code as a compile result, ready to run.
 
-        Numba would load all that it compiles with, which takes a fifth of a start.
+        Numba's own cache would load the whole compiler, which takes a fifth of a start.
         """
         rtsys.initialize(target_context)
         return CompileResult._rebuild(target_context, *data)
 
     def save_overload(self, sig: Any, data: Any) -> None:
-        """Keep the code of a signature; where that cannot be done it is not kept."""
+        """Keep the code of a signature on disk, if that can be done."""
         with contextlib.suppress(Exception):
             if self._may_keep(sig) and not data.library.has_dynamic_globals:
                 file = self._file(Place(folder(), _machine(data.codegen)), sig)
@@ -134,12 +134,12 @@ class Cache:
                 storage.write_whole(file, _checksum(file, code) + code)
 
     def flush(self) -> None:
-        """Remove all, as numba asks for before it compiles anew."""
+        """Remove the function's files, as numba asks before it compiles anew."""
         for path in Path(self.cache_path).glob(f"{self._name}.*.nbc"):
             path.unlink(missing_ok=True)
 
     def _may_keep(self, sig: Any) -> bool:
-        """Return whether the sources behind all types of arguments are ours, and known."""
+        """Return whether the sources of function and argument types are ours and unedited."""
         modules = {self._function.__module__, *_modules_of(_arguments(sig))}
         return all(m.partition(".")[0] == "gcm_learn" and not is_edited(m) for m in modules)
 
@@ -156,13 +156,13 @@ class Cache:
 
     @cached_property
     def _code(self) -> str:
-        """Hash of the function's own code, and of what it encloses."""
+        """Hash of the function's own bytecode, and of the values in its closure."""
         cells = [cell.cell_contents for cell in self._function.__closure__ or ()]
         return storage.content_hash(self._function.__code__.co_code, dumps(cells))
 
 
 def _checksum(path: Path, code: bytes | memoryview) -> bytes:
-    """Return the checksum of code that belongs into a file and its folder, and no other."""
+    """Return the checksum of code, bound to the names of its file and folder."""
     place = f"{path.parent.name}/{path.name}".encode()
     return zlib.crc32(code, zlib.crc32(place)).to_bytes(4, "little")
 
@@ -176,14 +176,14 @@ def _read(path: Path) -> Any:
 
 
 class _Unpickler(pickle.Unpickler):
-    """Reader of code that loads no modules of numba for what they hold of constants."""
+    """Unpickler that restores functions' constants without loading the functions' modules."""
 
     def find_class(self, module: str, name: str, /) -> Any:
         return _environment if name == _rebuild_env.__name__ else super().find_class(module, name)
 
 
 def _environment(module: str, constants: Any, name: str) -> Any:
-    """Return the constants of a compiled function, for which numba would load its module."""
+    """Return a compiled function's environment of constants, without loading its module."""
     made = lookup_environment(name)
     if made is None:
         made = Environment(vars(sys.modules.get(module, sys)))
@@ -194,7 +194,7 @@ def _environment(module: str, constants: Any, name: str) -> Any:
 
 
 def _machine(codegen: Any) -> tuple[str, str, str]:
-    """Return for which machine code is made."""
+    """Return the machine for which code is made."""
     machine: tuple[str, str, str] = codegen.magic_tuple()
     return machine
 

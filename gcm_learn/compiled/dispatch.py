@@ -1,4 +1,4 @@
-"""Functions that kernels call by the type of their first argument: one kernel for all arms.
+"""Functions that dispatch on the type of their first argument, so that one kernel suits all arms.
 
 Numba picks the entry when it compiles, and calls it directly.
 """
@@ -20,7 +20,7 @@ _TABLES: dict[Callable[..., Any], dict[type | None, Callable[..., Any]]] = {}
 
 
 def by_type(table: Mapping[type | None, Callable[..., Any]]) -> Any:
-    """Return a function that calls the entry for the NamedTuple type of its first argument.
+    """Return a function that calls the kernel for its first argument's NamedTuple type.
 
     Code is kept under the hash of the sources that a module imports.  So the table has to stand in
     a module that imports its entries.
@@ -65,12 +65,12 @@ def _entry(function: Callable[..., Any], first: Any) -> Any:
 
 
 def _called(kernel: Any) -> Any:
-    """Return a function that calls an entry, or None without one."""
+    """Return a function that calls `kernel`; None if there is no kernel."""
     return None if kernel is None else lambda first, *rest: kernel(first, *rest)
 
 
 def _template(function: Callable[..., Any]) -> type[AbstractTemplate]:
-    """Return numba's question for the type and the code of a call, answered by an entry.
+    """Return a numba template that takes the type and code of a call from the matching entry.
 
     An `overload` would put a function around the entry.  Numba would optimise all code below once
     more for it.

@@ -1,4 +1,4 @@
-"""Compiled functions: numba's `njit`, whose code is kept by content, and in parts."""
+"""The package's `njit`: numba's, with code cached by content and compiled in parts."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ else:
 
 
 def njit(function: Callable[..., Any] | None = None, **options: Any) -> Any:
-    """Compile a function when it is first called, as ``numba.njit(cache=True)`` does.
+    """Compile a function at its first call, as ``numba.njit(cache=True)`` does.
 
     Parameters
     ----------

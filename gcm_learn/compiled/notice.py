@@ -1,4 +1,4 @@
-"""The folder of compiled code, and a notice where compiling takes its time."""
+"""Folder of compiled code, and a notice when compiling takes long."""
 
 from __future__ import annotations
 
@@ -48,12 +48,12 @@ def _unkept() -> Iterator[str]:
 
 
 on_compile: list[Callable[[], object]] = [say_compiling]
-"""Called once, and taken out, when compiling takes its time because no code is kept."""
+"""Listeners, each called once and removed when compiling takes longer than `PATIENCE`."""
 _missed: list[float] = []  # when the first code was not found [s]
 
 
 def tell_listeners() -> None:
-    """Call the listeners once compiling has taken its time."""
+    """Call and remove the listeners once compiling has taken longer than `PATIENCE`."""
     now = time.monotonic()
     _missed[:] = _missed or [now]
     while on_compile and now - _missed[0] >= PATIENCE:
@@ -61,5 +61,5 @@ def tell_listeners() -> None:
 
 
 def on_first_compiling(call: Callable[[], object]) -> None:
-    """Call something in place of the notice, unless nobody listens."""
+    """Replace the listeners by `call`, unless there are none."""
     on_compile[:] = [call] if on_compile else []

@@ -47,7 +47,7 @@ def _counts_across_blocks() -> int:
 
 
 class WholeLibrary(_Library):
-    """Code of a function that Python calls, with that of its parts."""
+    """Machine code of a function that Python calls, together with that of its parts."""
 
     def _optimize_final_module(self) -> None:
         before = _counts_across_blocks()
@@ -56,7 +56,7 @@ class WholeLibrary(_Library):
             self._run()
 
     def serialize_using_object_code(self) -> Any:
-        """Return the machine code; numba adds bitcode for others, who link parts here."""
+        """Return the machine code with stubs in place of bitcode: callers here link parts."""
         self._ensure_finalized()
         names = [made.name for made in self._final_module.functions if not made.is_declaration]
         stubs = "".join(f'define void @"{name}"() {{ ret void }}\n' for name in names)
@@ -65,14 +65,14 @@ class WholeLibrary(_Library):
 
 
 class PartLibrary(_Library):
-    """Code of one part: others link it, Python cannot call it."""
+    """Code of one part: other functions link it, Python cannot call it."""
 
     def _optimize_final_module(self) -> None:
         levels = {"opt": self._codegen._opt_level, "loop_vectorize": self._codegen._loopvect}
         self._run(cost="cheap", slp_vectorize=False, **levels)
 
     def _finalize_final_module(self) -> None:
-        """Leave out what numba does here: make machine code and load it."""
+        """Finalise without making and loading machine code, as numba would here."""
         self._finalize_dynamic_globals()
         self._verify_declare_only_symbols()
         self._finalized = True
@@ -126,7 +126,7 @@ class PartCache(Cache):
 
 
 class _Kernel(CPUDispatcher):  # type: ignore[misc]
-    """Compiled function with two codes: one for Python, and a part for functions that call it.
+    """Compiled function in two forms: one for Python, and a part for other compiled functions.
 
     Each is compiled at its first call.  A function must not call itself.
     """
@@ -140,9 +140,9 @@ class _Kernel(CPUDispatcher):  # type: ignore[misc]
         return made
 
     def get_call_template(self, args: Any, kws: Any) -> Any:
-        """Return the types of a call by another function; compile the part for it.
+        """Return the types of a call by another function; compile the part for these types.
 
-        Numba has a type for every number in a source, for which it would compile a part once more.
+        Literals lose their own types, or numba would compile a part once more for every number.
         """
         plain = tuple(unliteral(given) for given in args)
         return self._part.get_call_template(plain, kws)
@@ -162,7 +162,7 @@ class _Kernel(CPUDispatcher):  # type: ignore[misc]
 
 
 def kernel(function: Callable[..., Any], options: dict[str, Any]) -> Any:
-    """Return a function that is compiled when it is first called.
+    """Return `function` as a kernel that is compiled at its first call.
 
     It has no wrapper for callers in C, which takes a seventh of compiling.
     """

@@ -1,4 +1,4 @@
-"""Compiled functions by numba as it is, where its inside is not known.
+"""Functions compiled by numba unchanged, for versions whose private parts are not known.
 
 Numba keeps code by a function's own file, not by those that it calls.  So each function has a
 folder by the hash of all of them.
@@ -17,7 +17,7 @@ from gcm_learn.compiled.sources import PACKAGE, folder_of, is_edited
 
 
 def kernel(function: Callable[..., Any], options: dict[str, Any]) -> Any:
-    """Return a function that is compiled when it is first called."""
+    """Return `function` as a kernel that is compiled at its first call."""
     made = numba.njit(**options)(function)
     module = function.__module__
     if module.startswith(f"{PACKAGE.name}.") and not is_edited(module):
@@ -32,7 +32,7 @@ def kernel(function: Callable[..., Any], options: dict[str, Any]) -> Any:
 
 
 class _Careful:
-    """Numba's cache of a function, and no reason to fail."""
+    """Numba's cache of a function, with errors ignored."""
 
     def __init__(self, kept: Any) -> None:
         self._kept = kept
@@ -41,7 +41,7 @@ class _Careful:
         return getattr(self._kept, name)
 
     def load_overload(self, *asked: Any) -> Any:
-        """Return the code of a signature; None where it has to be compiled."""
+        """Return the kept code of a signature; None if the code has to be compiled."""
         code = None
         with contextlib.suppress(Exception):
             code = self._kept.load_overload(*asked)
@@ -50,6 +50,6 @@ class _Careful:
         return code
 
     def save_overload(self, *made: Any) -> None:
-        """Keep the code of a signature; where that cannot be done it is not kept."""
+        """Keep the code of a signature on disk, if that can be done."""
         with contextlib.suppress(Exception):
             self._kept.save_overload(*made)

@@ -1,4 +1,4 @@
-"""Hashes of sources: what compiled code depends on."""
+"""Hashes of the sources that compiled code depends on."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _IMPORT = re.compile(
 
 @cache
 def source_hash(module: str) -> str:
-    """Hash of a module's source and of all modules of the package that it imports, and so on."""
+    """Hash of a module's source and of all package modules that it imports, directly or not."""
     parts: list[str | bytes] = []
     for path in sorted(_sources_of(module)):
         parts += [path.relative_to(PACKAGE).as_posix(), path.read_bytes()]
@@ -61,7 +61,7 @@ def sources_hash(folders: Sequence[str]) -> str:
 
 @cache
 def _sources_of(module: str) -> set[Path]:
-    """The file of a module and of all that it imports from the package."""
+    """Return the files of a module and of all package modules that it imports, directly or not."""
     found: set[Path] = set()
     waiting = [module]
     while waiting:

@@ -1,4 +1,4 @@
-"""A wheel with kernels that were compiled ahead, for one Python, one numba, a kind of processor."""
+"""Wheel of kernels compiled ahead, for one Python, one numba and one kind of processor."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ PROCESSORS = {
 
 
 def usual_processor() -> str:
-    """Return the processor for which kernels are compiled on a machine like this one."""
+    """Return the default processor, of `PROCESSORS`, for machines like this one."""
     machine = platform.machine().lower()
     if sys.platform == "darwin" and machine == "arm64":
         return "apple-m1"
@@ -40,7 +40,7 @@ def usual_processor() -> str:
 
 
 def build_wheel(command: list[str], out: Path, processor: str) -> Path:
-    """Run a command that compiles, for a processor, and pack what it compiled.
+    """Run a command that compiles kernels, for a processor; pack these kernels into a wheel.
 
     Parameters
     ----------
@@ -96,5 +96,5 @@ def _packed(folder: Path, out: Path, made_for: str) -> Path:
 
 
 def _digest(data: bytes) -> str:
-    """Hash as a wheel's RECORD has it."""
+    """Return the SHA-256 of data in the format of a wheel's RECORD."""
     return base64.urlsafe_b64encode(hashlib.sha256(data).digest()).rstrip(b"=").decode()

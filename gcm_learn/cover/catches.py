@@ -1,4 +1,4 @@
-"""Stored catches: a movement with a rule that bends it, and the proof that it holds in a cell."""
+"""Stored catches: movements that bend with the parameters, and their proofs for whole cells."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ class StoredCatch:
 def verdict_of(
     situation: Any, movement: Movement, body: int, span: tuple[float, float] | None
 ) -> Verdict:
-    """Verify a movement that touches a target at its end, or holds it for a span [s]."""
+    """Verify a movement that touches a target at its end, or holds the target for a span [s]."""
     scene = pack(situation)
     ask = None if span is None else Ask.of(situation, [(body, *span)])
     return verify(scene, rules_of(scene), movement, body, ask)
@@ -90,7 +90,7 @@ class Doubt:
 def doubt_of(
     family: ParametricFamily, catch: StoredCatch, centre: np.ndarray, half: np.ndarray, scene: Scene
 ) -> Doubt | None:
-    """Prove that a stored catch holds in a cell, or say what is in doubt.
+    """Prove that a stored catch holds in a whole cell, or return the first doubt.
 
     Parameters
     ----------
@@ -165,7 +165,7 @@ def planned(family: ParametricFamily, theta: np.ndarray) -> tuple[list[StoredCat
 
 
 def _ramped(catch: StoredCatch, begin: float) -> StoredCatch:
-    """Return a catch whose deviation begins at a share of its time."""
+    """Return the catch with a deviation that begins at a share of the movement's time."""
     first, last = begin * catch.time[-1], catch.time[-1]
     time = catch.time
     if not (np.abs(time - first) < 1e-9 * last).any():  # a sample where the ramp begins

@@ -28,7 +28,7 @@ _PER_SAMPLE = ("time", "way", "ramp")
 
 @dataclass(slots=True)  # there may be millions
 class Cell:
-    """A part of the box; those that are cut have two halves."""
+    """Part of the box of parameters; a cell that is cut has two halves, which are cells too."""
 
     low: np.ndarray
     """(K,) float: lowest values of the parameters."""
@@ -77,7 +77,7 @@ class Cover:
 
     @property
     def seconds(self) -> float:
-        """Time that it took so far [s]."""
+        """Time on the wall that the growth took so far [s]."""
         return self.curve[-1][3] if self.curve else 0.0
 
     @property
@@ -124,7 +124,7 @@ class Cover:
         return cell
 
     def save(self, folder: Path) -> None:
-        """Write the cover into a folder; one that is there is replaced when this is complete."""
+        """Write the cover into a folder; an older cover there is replaced once all is written."""
         folder.mkdir(parents=True, exist_ok=True)
         kept = sorted({*self.used, *(c.trial for c in self.leaves() if c.held == OPEN)} - {-1})
         arrays = _arrays_of(self.cells, [self.catches[k] for k in kept], kept)
@@ -156,7 +156,7 @@ def _file_of(arrays: dict[str, np.ndarray]) -> str:
 def _arrays_of(
     cells: list[Cell], catches: list[StoredCatch], kept: list[int]
 ) -> dict[str, np.ndarray]:
-    """Return cells and catches as arrays; indices of catches become those among the kept ones."""
+    """Return cells and catches as arrays; the index of a catch becomes its position in `kept`."""
     place = {old: new for new, old in enumerate(kept)}
     arrays = {name: np.array([getattr(c, name) for c in cells]) for name in ("axis", "first")}
     arrays |= {name: np.array([getattr(c, name) for c in cells]) for name in ("low", "high")}

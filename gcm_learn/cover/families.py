@@ -1,4 +1,4 @@
-"""Families of situations that depend on few parameters, each linearly; those on belts."""
+"""Families of situations that depend linearly on few parameters; ready-made families on belts."""
 
 from __future__ import annotations
 
@@ -135,7 +135,7 @@ class ParametricFamily:
         return self.slopes[None, :, :, 0] + t * self.slopes[None, :, :, 1]
 
     def parameters_of(self, situation: AnySituation) -> np.ndarray | None:
-        """Return the parameters (K,) of a situation; None if it is of another family."""
+        """Return the parameters (K,) of a situation; None for a situation of another family."""
         middle, bodies = self.middle, situation.bodies
         last = max(middle.horizon, middle.end_by or (np.inf if self.holds else 0.0))
         if situation.horizon < middle.horizon - SAME or situation.arm != middle.arm:
@@ -184,12 +184,12 @@ def law_numbers(situation: AnySituation) -> np.ndarray:
 
 
 def _law_of(rows: list[list[float]]) -> dict[str, Any]:
-    """Return fields of a motion from the rows (3, dim) of its numbers."""
+    """Return position, velocity and acceleration, given as rows (3, dim), as fields of a motion."""
     return {name: tuple(row) for name, row in zip(_LAW, rows, strict=True)}
 
 
 def _unchanged(body: Body) -> tuple[Any, ...]:
-    """Return all of a body that parameters do not change, but for its name."""
+    """Return the properties of a body, except its name, that no parameter changes."""
     motion = body.motion
     turns: tuple[Any, ...] = ()
     if isinstance(motion, PlanarQuadratic):
@@ -205,7 +205,7 @@ PART, CARRIER, POST = "part", "carrier", "post"
 
 
 def belt() -> ParametricFamily:
-    """Belt in the plane, behind a row of posts."""
+    """Return the family of a belt in the plane, behind a row of posts."""
     arm = Arm((1.1, 0.1), 3.0, thickness=0.05, grasp=0.05)
     good, post = situation.Disc(0.1), situation.Disc(0.06)
     bodies = (
@@ -221,7 +221,7 @@ def belt() -> ParametricFamily:
 
 
 def belt_space() -> ParametricFamily:
-    """Belt before a spatial arm; it runs along y."""
+    """Return the family of a belt along y before a spatial arm."""
     arm = SpatialArm(
         upper_arm=(1.0, 0.0, 0.0),
         forearm=(1.0, 0.0, 0.0),
@@ -246,7 +246,7 @@ def belt_space() -> ParametricFamily:
 
 
 def belt_chain() -> ParametricFamily:
-    """Belt before a Panda; it runs along y, in metres."""
+    """Return the family of a belt along y before a Panda, in metres."""
     arm = Chain(situation.shipped_arm("panda"), (0.0, -0.3, 0.0, -2.0, 0.0, 1.8, 0.7), grasp=0.03)
     good = situation.Box((0.04, 0.04, 0.04))
     bodies = (
@@ -263,7 +263,7 @@ def belt_chain() -> ParametricFamily:
 
 
 def held_belt() -> ParametricFamily:
-    """Belt before a Panda, from which a box is picked from above, held, and the arm stopped."""
+    """Return the family of a belt from which a Panda picks a box from above, holds it and stops."""
     bare = belt_chain()
     along, across, pace, *carrier = bare.parameters
     with_part = tuple((body, "position", way) for body, _, way in pace.moves)
@@ -345,7 +345,7 @@ def _family(
 
 
 def varied(family: ParametricFamily) -> ParametricFamily:
-    """Return a belt whose obstacles vary first: place of the carrier, place of the posts."""
+    """Return the family in which the places of carrier and posts are among the first parameters."""
     along, _, pace, phase, speed = family.parameters
     way, bodies = phase.moves[0][2], family.middle.bodies
     moves = tuple((body.name, "position", way) for body in bodies if body.name.startswith(POST))
@@ -357,7 +357,7 @@ def varied(family: ParametricFamily) -> ParametricFamily:
 
 
 def held_belt_varied() -> ParametricFamily:
-    """Belt whose goods are tall and near the part, by a gap that varies."""
+    """Return the family of `held_belt` with tall goods near the part, at a gap that varies."""
     bare = held_belt()
     along, across, pace, phase, _ = bare.parameters
     tall, sides = situation.Box((0.04, 0.04, 0.07)), {"good 1": -1.0, "good 2": 1.0}

@@ -53,7 +53,7 @@ class Finding:
 
 
 def examine(question: Question) -> Finding:
-    """Look for a catch that provably holds in a cell: among stored ones, then by planning."""
+    """Look for a catch that provably holds in a cell: try stored catches, then plan a new one."""
     family, centre, half, known = question
     if family.holds:
         return _examine_held(question)
@@ -89,7 +89,7 @@ def _examine_held(question: Question) -> Finding:
 
 
 def _cuts(question: Question, catch: StoredCatch, doubt: Doubt, scene: Scene) -> tuple[int, ...]:
-    """Return the parameters along which to cut a cell before its parts are worth a plan.
+    """Return the parameters along which to cut a cell, in order, before planning for its parts.
 
     Its sides are halved about the middle until the catch holds there. The last of these cuts are
     left to the parts, whose own catches may hold in more. There are at most as many cuts as
@@ -108,7 +108,7 @@ def _cuts(question: Question, catch: StoredCatch, doubt: Doubt, scene: Scene) ->
 
 @dataclass(frozen=True)
 class Budget:
-    """Limits of growth; it ends at the first that is reached."""
+    """Limits of growth, which ends when the first of them is reached."""
 
     share: float = 0.95
     """Share of the box that is to be covered."""
@@ -175,7 +175,7 @@ def _waits(cell: Cell) -> bool:
 
 
 def _question(cover: Cover, k: int) -> Question:
-    """Return the question for a cell: the catch of the whole it is a half of, and near ones."""
+    """Return the question for cell k: the catch of the cell it was cut from, and near catches."""
     cell, family = cover.cells[k], cover.family
     centre, half = 0.5 * (cell.low + cell.high), 0.5 * (cell.high - cell.low)
     near = _nearest(cover, centre)
@@ -195,7 +195,7 @@ def _nearest(cover: Cover, centre: np.ndarray) -> list[int]:
 
 
 def _use(cover: Cover, k: int, finding: Finding, queue: list[tuple[float, int]]) -> float:
-    """Hold what was found in a cell, or cut it; return the share of the box that is now covered."""
+    """Note the catch found for cell k, or cut or close the cell; return the share newly covered."""
     cell = cover.cells[k]
     index = finding.held
     if finding.catch is not None:
@@ -215,7 +215,7 @@ def _use(cover: Cover, k: int, finding: Finding, queue: list[tuple[float, int]])
 def _cut(
     cover: Cover, k: int, axes: tuple[int, ...], trial: int, queue: list[tuple[float, int]]
 ) -> None:
-    """Cut a cell along parameters, one after the other; the last parts wait for examination."""
+    """Cut cell k along parameters, one after the other, and queue the final parts."""
     cell, first = cover.cells[k], len(cover.cells)
     if not axes:
         heapq.heappush(queue, (-cover.size(cell), k))
@@ -239,9 +239,9 @@ def _axis(family: ParametricFamily, half: np.ndarray, doubt: Doubt) -> tuple[int
 def draws(
     cover: Cover, count: int, seed: int, first: int = 0
 ) -> Iterator[tuple[np.ndarray, StoredCatch]]:
-    """Draw parameters (K,) evenly over what is covered, each with its stored catch.
+    """Draw parameters (K,) evenly over the proven cells, each with the stored catch of its cell.
 
-    Draw k depends on the seed and k only; `first` is the first of them.
+    Draw k depends on the seed and k only; `first` is the first k.
     """
     held = [cell for cell in cover.leaves() if cell.held >= 0]
     sizes = np.cumsum([cover.size(cell) for cell in held])

@@ -1,4 +1,4 @@
-"""Held catches: one movement for a whole cell, proven by a single situation that is harder.
+"""Held catches: one movement for a whole cell, proven in a single, harder situation.
 
 Parameters move bodies and change their velocities, and nothing else. So no obstacle of a cell is
 farther from its place in the middle than `now + rate t`. A margin says the same. The grasp is
@@ -31,7 +31,7 @@ NAMES = {Failure.COLLISION: "clearance", Failure.NOT_HELD: "grasp", Failure.SLIP
 def harder(
     family: ParametricFamily, centre: np.ndarray, half: np.ndarray, until: float, least: float = 0.0
 ) -> Any:
-    """Return a situation whose catches hold in all of a cell, if their holds end by a time.
+    """Return a situation whose catches hold in a whole cell, if their holds end by `until`.
 
     Parameters
     ----------
@@ -74,7 +74,7 @@ def harder(
 def _doubt(
     family: ParametricFamily, failure: Failure, half: np.ndarray, when: float, target: int
 ) -> Doubt:
-    """Return the doubt for a failure, with how much each parameter adds to what is bounded."""
+    """Return the doubt for a failure, with how much each parameter adds to the bound that fails."""
     others = [k for k, body in enumerate(family.middle.bodies) if body.role == "obstacle"]
     bodies = others if failure is Failure.COLLISION else [target]
     slipping = failure is Failure.SLIPS
@@ -89,7 +89,7 @@ def _doubt(
 def held_doubt(
     family: ParametricFamily, catch: StoredCatch, centre: np.ndarray, half: np.ndarray
 ) -> Doubt | None:
-    """Prove that a held catch holds in a cell, or say what is in doubt; see `doubt_of`."""
+    """Prove that a held catch holds in a whole cell, or return the doubt; see `doubt_of`."""
     span: Any = catch.span
     hard = harder(family, centre, half, span[1])
     if isinstance(hard, Doubt):
@@ -107,7 +107,7 @@ def held_doubt(
 def held_catch(
     family: ParametricFamily, centre: np.ndarray, half: np.ndarray
 ) -> StoredCatch | Doubt:
-    """Plan for a whole cell at once; say what is in doubt where no plan is found."""
+    """Plan a held catch for a whole cell at once; return a doubt if no catch is proven."""
     middle = family.middle
     last = middle.horizon + max(body.hold.seconds for body in middle.bodies if body.hold)
     hard = harder(family, centre, half, last, LEAST)

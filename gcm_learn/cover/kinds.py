@@ -1,4 +1,4 @@
-"""Table by kind of arm: how stored movements bend, and what they keep over a whole cell."""
+"""Table by kind of arm: the bending of stored movements, and their bounds over a whole cell."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ HELD_BACK = 0.9
 
 
 class Bundle(NamedTuple):
-    """All movements of a cell: a way, and bounds of the deviations from it."""
+    """All movements of a cell: the way in the cell's middle, and bounds of deviations elsewhere."""
 
     time: np.ndarray
     """(n,) [s]"""
@@ -75,7 +75,7 @@ class Bending(NamedTuple):
 
 
 def _held_back(arm: Any, share: float, margin: float) -> Any:
-    """Return an arm that uses a share of its speeds, and is thicker by a margin."""
+    """Return the arm with a share of its speed limits, thicker by a margin."""
     hand, joints = arm.max_hand_speed, arm.max_joint_speed
     return replace(
         arm,
@@ -86,7 +86,7 @@ def _held_back(arm: Any, share: float, margin: float) -> Any:
 
 
 def _chain_held_back(arm: Chain, share: float, margin: float) -> Chain:
-    """Return a chain that is slower and whose links are thicker.
+    """Return the chain with a share of its speeds, and links thicker by a margin.
 
     Pairs of links are left to the proof: thicker ones would touch each other at the start.
     """
@@ -166,14 +166,14 @@ def _joint_fault(scene: Scene, bundle: Bundle) -> str:
 
 
 def _hand_over(scene: Scene, bundle: Bundle, left: np.ndarray, half: np.ndarray) -> float:
-    """Bound what a planar hand lacks: hand and target move alike, so as much as in the middle."""
+    """Bound a planar hand's excess over the grasp as in the middle: hand and target move alike."""
     room = hand_room_at_catch(scene, *bundle.way[-1], bundle.time[-1], bundle.body)
     off = float(np.linalg.norm(np.abs(left) @ half))
     return float(room) + off - scene.limits.grasp + HELD_BACK * CATCH_SAFETY
 
 
 def _joints_over(scene: Scene, bundle: Bundle, left: np.ndarray, half: np.ndarray) -> float:
-    """Bound what a hand lacks by the rule's first order and a bound of its second.
+    """Bound a hand's distance beyond the grasp by the rule's first order and a second-order bound.
 
     A second derivative of the hand by two joints is at most as long as the longest lever.
     """

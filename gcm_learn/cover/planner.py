@@ -24,7 +24,7 @@ NAME = "covered"
 
 
 class ProvenPlan(Plan):
-    """Plan of a proven cell; its clearance is measured at the first use."""
+    """Plan of a proven cell; the clearance is measured when first asked for."""
 
     @classmethod
     def of(cls, situation: AnySituation, catch: StoredCatch, **known: Any) -> ProvenPlan:

@@ -54,7 +54,7 @@ def _room_of_hand(limb, scene, b, t, off, touch, work):
 
 @njit(_nrt=False)
 def _write_deviations(work):
-    """Write a move whose joints turn by the bounds of their deviations.
+    """Write a move to ``work.curve`` that turns each joint by the bound of its deviation.
 
     `swept` takes the smaller of two bounds. One of them uses the joints' rates in the middle, which
     hold for a single direction.  Deviations may have any direction.  So this move rests in the
@@ -68,7 +68,7 @@ def _write_deviations(work):
 
 @njit(_nrt=False)
 def _room_of_joints(limb, scene, b, t, off, touch, work):
-    """Bound the distance of a limb that moves in its joints from below; see `room_of`."""
+    """Bound a limb's distance from below, for arms that move in their joints; see `room_of`."""
     where = place(limb, work.middle)
     _write_deviations(work)
     slack = swept(limb, work.curve, 0.5, 0.5, where)
@@ -136,7 +136,7 @@ def _room_in_span(scene, span, at, b, off, touch, work):
 
 @njit(_nrt=False)
 def _piece_fails(scene, moves, k, b, off, touch, work):
-    """Return the time at which body b may be touched in piece k, or -1 if it surely is not."""
+    """Return the time at which body b may be touched in piece k; -1 if a touch is ruled out."""
     time, way, away = moves
     s, width = 0.0, 1.0
     span = time[k + 1] - time[k]

@@ -66,7 +66,7 @@ _HOMES = {
 
 
 def __getattr__(name: str) -> object:
-    """Load a name of this folder when it is first used: it needs gymnasium."""
+    """Import a name of this folder at its first use, since its modules need gymnasium."""
     import importlib
 
     if name not in _HOMES:

@@ -22,7 +22,7 @@ Placing = Callable[[np.ndarray], np.ndarray]
 
 @dataclass(frozen=True)
 class _Turned:
-    """Turn a canonical hand as its situation was drawn; plain floats, since steps are short."""
+    """Map of a canonical hand to the coordinates as drawn; plain floats, since steps are short."""
 
     rows: list[list[float]]
 
@@ -34,7 +34,7 @@ class _Turned:
 
 @dataclass(frozen=True)
 class _Based:
-    """Place a hand that is given in the frame of its arm's base."""
+    """Map of a hand from the frame of its arm's base to the world."""
 
     turn: np.ndarray
     origin: np.ndarray
@@ -78,7 +78,7 @@ def box(plant: execution.Batch) -> spaces.Box:
 
 
 def commands(plant: execution.Batch) -> spaces.Box:
-    """Return the space of actions of one arm."""
+    """Return the action space of one arm."""
     return spaces.Box(-1.0, 1.0, (plant.commands,), np.float32)
 
 
@@ -109,7 +109,7 @@ def finite(action: Any, shape: tuple[int, ...], step: str) -> np.ndarray:
 
 
 class OneArm(gymnasium.Env[np.ndarray, np.ndarray]):
-    """One arm of an arena; the subclasses say which, and describe it.
+    """One arm of an arena as an environment; subclasses name the arena and describe it.
 
     Parameters
     ----------
@@ -248,7 +248,7 @@ class OneArm(gymnasium.Env[np.ndarray, np.ndarray]):
         return (state.time.item(0), *state.posture[0].tolist())
 
     def _placing_of(self, index: int | None) -> Placing:
-        """Return the way from the arm's coordinates to the world's; keep it by an index."""
+        """Return the map from the arm's coordinates to the world's; cache it by a given index."""
         if index is None:
             return placing_of(self.situation, self.frame)
         if index not in self._placings:

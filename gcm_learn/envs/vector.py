@@ -16,7 +16,7 @@ from gcm_learn.errors import ArenaError
 
 
 class ManyArms(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
-    """Many arms of an arena; the subclasses say which, and describe it.
+    """Many arms of an arena as one environment; subclasses name the arena and describe it.
 
     Parameters
     ----------
@@ -121,7 +121,7 @@ class ManyArms(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
 
 
 class CatchArms(ManyArms):
-    """Many arms of `CatchArm` in compiled code, step by step equal to single ones.
+    """Many arms of `CatchArm` in compiled code; every step equals that of a single arm.
 
     ``gymnasium.make_vec("gcm_learn:CatchArm-v0", num_envs=64,
     vectorization_mode="vector_entry_point")`` makes it. Actions, observations, rewards,

@@ -53,7 +53,7 @@ class PictureWindow:
         self._clock = self._pygame.time.Clock()
 
     def show(self, picture: np.ndarray) -> None:
-        """Show a picture (pixels, pixels, 3) uint8; wait if the last one was shown just now."""
+        """Show a picture (pixels, pixels, 3) uint8, at most as often as the window's rate."""
         surface = self._pygame.surfarray.make_surface(picture.swapaxes(0, 1))
         self._screen.blit(surface, (0, 0))
         self._pygame.event.pump()
@@ -67,7 +67,7 @@ class PictureWindow:
 
 
 def _pygame() -> Any:
-    """Return the library, or say how to install it."""
+    """Return the module pygame; raise MissingExtraError if it is not installed."""
     try:
         import pygame
     except ImportError:
@@ -87,7 +87,7 @@ class Artist(Protocol):
 
 
 class Viewer:
-    """Pictures of moments, in a window if one is wanted.
+    """Viewer of the moments of an episode, in a window if a rate is given.
 
     Parameters
     ----------
@@ -116,7 +116,7 @@ class Viewer:
         situation : Situation
             As the arena has it.
         way : Movement
-            In its coordinates.
+            In the situation's coordinates.
         """
         picture = self._artist.picture(situation, way)
         if self._window is None:

@@ -1,6 +1,6 @@
-"""A situation as a whole: the picture of its cognitive map.
+"""Observations with the picture of a situation's cognitive map.
 
-It follows from the situation at t = 0, so it stays the same during an episode.
+The map follows from the situation at t = 0, so it stays the same during an episode.
 
 >>> import gymnasium
 >>> from gcm_learn.envs import WithMap
@@ -69,7 +69,7 @@ class WithMap(gymnasium.Wrapper[Any, np.ndarray, np.ndarray, np.ndarray]):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Any, dict[str, Any]]:
-        """Begin an episode, and make its situation's map."""
+        """Begin an episode, and build the map of its situation."""
         state, info = self.env.reset(seed=seed, options=options)
         self._picture = map_image(self.arm.situation)
         return self._joined(state), info

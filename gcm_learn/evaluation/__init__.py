@@ -1,4 +1,4 @@
-"""One sheet of answers: whatever acts, on any situations, judged by the referee.
+"""Comparison of methods: one sheet of their answers to situations, judged by the referee.
 
 >>> from gcm_learn.evaluation import Condition, ask, cases, page, pairs, shares
 >>> sheet = ask(["search", "recall"], cases("gate", count=50), keep="out")  # doctest: +SKIP

@@ -29,7 +29,7 @@ _WARM: set[tuple[Entrant, str]] = set()
 
 
 class CaseQuestion(NamedTuple):
-    """One case, all that is asked about it, and cases of the same kind of arm that warm up."""
+    """A case, the entrants and conditions to ask, and warm-up cases of its kind of arm."""
 
     case: Case
     asked: tuple[tuple[Entrant, tuple[Condition, ...]], ...]
@@ -113,7 +113,7 @@ def _questions(
     conditions: Sequence[Condition],
     journal: Journal,
 ) -> Iterator[CaseQuestion]:
-    """Yield what the journal does not have; another entrant begins each time."""
+    """Yield the questions whose rows the journal lacks; each case begins with another entrant."""
     first: dict[str, list[Case]] = {}
     for case in sorted(found, key=lambda case: case.stratum != WARM_UP):
         first.setdefault(kind_of(case.situation).name, []).append(case)
@@ -144,7 +144,7 @@ def answers(question: CaseQuestion) -> list[Row]:
 
 
 def _under(entrant: Entrant, case: Case, conditions: Sequence[Condition]) -> Iterator[Row]:
-    """Yield an entrant's rows of a case; who fails without thinking is not asked again."""
+    """Yield an entrant's rows of a case; an error without thinking is copied to thinking times."""
     plain: dict[float, tuple[Answer, Row]] = {}
     for condition in sorted(conditions, key=lambda c: (c.noise, c.thinking != 0.0)):
         method = method_of(entrant, condition.limit)
@@ -219,7 +219,7 @@ class Journal:
 
 
 def _whole_lines(path: Path) -> list[Row]:
-    """Return the lines of a file up to one that is damaged or was not written to its end."""
+    """Return the lines of a file before the first damaged or incomplete line."""
     found: list[Row] = []
     if path.exists():
         for text in path.read_text("utf-8", errors="replace").splitlines():

@@ -26,7 +26,7 @@ FOR_SHAPE = 0.2  # of the first half
 
 @dataclass(frozen=True)
 class Calibration:
-    """A margin, and whether it holds on tracks that had no part in it."""
+    """Calibrated margin, with its coverage of tracks that had no part in the calibration."""
 
     margin: Margin
     shape: float
@@ -40,7 +40,7 @@ class Calibration:
 
     @property
     def covered(self) -> Interval:
-        """Share of held-out tracks that stay within, with Wilson's interval."""
+        """Share of held-out tracks that stay within the margin, with Wilson's interval."""
         return wilson(self.within, self.held_out)
 
 

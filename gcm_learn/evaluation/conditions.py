@@ -45,7 +45,7 @@ def check(condition: Condition) -> None:
 
 
 def after(situation: AnySituation, thinking: float) -> AnySituation | str:
-    """Return a situation some thinking later, or what became of it meanwhile.
+    """Return the situation after some thinking time, or the outcome if the episode ended before.
 
     An arm whose joints move goes on as it moves; any other rests. Where several catches are wanted,
     targets that come to the hand are gone.
@@ -80,7 +80,7 @@ def after(situation: AnySituation, thinking: float) -> AnySituation | str:
 
 
 def _unled(arm: Any, thinking: float) -> Movement:
-    """Return the movement of an arm that nobody leads: it rests, or its joints turn on."""
+    """Return an arm's movement without commands: at rest, or with its joints at constant rates."""
     time = np.array([0.0, 2.0 * thinking])
     if kind_of(arm) == PLANAR:
         return Movement.of_hand(arm, time, np.array([arm.hand, arm.hand]))

@@ -1,4 +1,4 @@
-"""Entrants: whatever answers situations, each under a name of its own."""
+"""Entrants: planners, policies and other methods that answer situations, under distinct names."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ WORDS = {"unreachable": "declined"}  # of outcomes, for a plan's status
 
 
 class Answer(NamedTuple):
-    """Answer to a situation, as it is claimed."""
+    """Answer to a situation as the method claims it, before the referee judges."""
 
     outcome: str
     """Of caught, declined, start_blocked, touched, late, broken and error."""
@@ -48,7 +48,7 @@ class PlannerMethod:
         planners.taken(self.planner, situation)
 
     def answer(self, situation: AnySituation) -> Answer:
-        """Plan."""
+        """Return the planner's plan for the situation as an answer."""
         plan = planners.plan_with(self.planner, situation)
         reason = plan.message if plan.status in planners.FAULTS else ""
         return Answer(WORDS.get(plan.status, plan.status), 0.0, (plan,), reason)
@@ -56,7 +56,7 @@ class PlannerMethod:
 
 @dataclass(frozen=True)
 class ActorMethod:
-    """A policy that acts step by step, its most likely action each time; nothing is promised."""
+    """A policy: it takes its most likely action at each step and promises no catch beforehand."""
 
     name: str
     actor: policies.Acting
@@ -71,7 +71,7 @@ class ActorMethod:
             planar(situation, f"policy {self.name!r}")
 
     def answer(self, situation: AnySituation) -> Answer:
-        """Play an episode."""
+        """Let the policy act for one episode; return the outcome and the movement."""
         since = spent()
         outcome, moves, steps = policies.acted(self.actor, situation)
         ms = 1e3 * (spent() - since) / max(steps, 1)
@@ -98,7 +98,7 @@ class Held:
 
 @dataclass(frozen=True)
 class Entrant:
-    """An entrant, as it is sent to processes."""
+    """Entrant of a comparison, in the form that is sent to processes."""
 
     name: str
     """Name in the sheet."""
@@ -110,7 +110,7 @@ class Entrant:
     """Name and content: answers of another version do not count."""
 
     def method(self, limit: float | None = planners.LIMIT) -> Method:
-        """Return what answers.
+        """Return the method that answers for this entrant.
 
         Raises
         ------
@@ -135,7 +135,7 @@ def method_of(entrant: Entrant, limit: float) -> Method:
 
 
 def asked(method: Method, situation: AnySituation, limit: float) -> Answer:
-    """Let a method answer within a limit [s]; whatever it raises is an error."""
+    """Return a method's answer within a time limit [s]; an exception becomes an answer `error`."""
     since, reason = spent(), ""
     own = isinstance(method, PlannerMethod) and hasattr(method.planner, "limit")  # of `Outside`
     try:
@@ -179,7 +179,7 @@ def entrants_of(given: Sequence[Any], *, alone: bool = True) -> list[Entrant]:
 
 
 def _distinct(name: str, made: Sequence[Entrant]) -> str:
-    """Return a name that no entrant has: with a number if it is taken."""
+    """Return the name, with a number added if another entrant already has this name."""
     taken, found, count = {entrant.name for entrant in made}, name, 1
     while found in taken:
         count += 1
@@ -188,7 +188,7 @@ def _distinct(name: str, made: Sequence[Entrant]) -> str:
 
 
 def _known(item: Any) -> str:
-    """Return the name of an entrant with the hash of the file that it comes from."""
+    """Return a text that identifies an entrant's version, by a hash of its content or file."""
     if isinstance(item, bytes):
         return content_hash(item)[:16]
     folder = Path(item.rpartition("@")[2] or item) if isinstance(item, str) else None
@@ -230,7 +230,7 @@ def _stays(name: str, why: str) -> str:
 
 
 def get_method(given: Any, name: str = "", limit: float | None = planners.LIMIT) -> Method:
-    """Return what answers, by name, by reference, or from an object.
+    """Return the method of a planner, policy or object, given by name, by reference or directly.
 
     Parameters
     ----------

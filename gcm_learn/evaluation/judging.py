@@ -35,7 +35,7 @@ _UNIT = ByKind(
 
 
 def judged(answer: Answer, situation: AnySituation, given: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the columns of an answer, with the referee's word on what it claims.
+    """Return the sheet's columns of an answer, after the referee has judged its claims.
 
     Parameters
     ----------
@@ -67,12 +67,12 @@ def judged(answer: Answer, situation: AnySituation, given: Mapping[str, Any]) ->
 
 
 def complaints_of(given: Mapping[str, Any], solution: Mapping[str, Any]) -> list[str]:
-    """Return the complaints of the referee, each as a field and what is wrong with it."""
+    """Return the referee's complaints, each as a text that names a field and the fault in it."""
     return [str(replace(c, name="")).removeprefix(": ") for c in judge(_known(given), solution)]
 
 
 def _known(given: Mapping[str, Any]) -> Mapping[str, Any]:
-    """Return a situation whose arm the referee knows: a chain for one of an added kind."""
+    """Return a situation for the referee, in which an arm of an added kind becomes a chain."""
     kind = kind_named(given["arm"].get("kind", PLANAR.name))
     if kind.as_chain is None:
         return given
@@ -128,7 +128,7 @@ def movement_of(situation: AnySituation, solution: str) -> Movement | None:
 
 
 def judged_again(sheet: Sheet) -> Sheet:
-    """Return a sheet whose claims the referee has judged again, from what the sheet holds."""
+    """Return the sheet after the referee has judged its claims again, from the sheet's columns."""
     outcomes, reasons = sheet["outcome"].copy(), sheet["reason"].copy()
     for k in np.flatnonzero(np.isin(outcomes.astype(str), CLAIMS)).tolist():
         thinking = 0.0 if sheet["noise"][k] > 0.0 else float(sheet["charged"][k])
@@ -190,7 +190,7 @@ def _files(paths: Sequence[str | Path]) -> list[Path]:
 
 
 def _shipped_as(sheet: Sheet, file: Path) -> Sheet:
-    """Return a sheet whose situations of suites that ship are those that ship."""
+    """Return the sheet with shipped suites' situations and strata replaced by the shipped ones."""
     columns = {name: column.copy() for name, column in sheet.columns.items()}
     for suite in set(sheet.each("suite")) & set(SHIPPED):
         known = {case.key: case for case in cases(suite)}

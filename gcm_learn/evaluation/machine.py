@@ -24,7 +24,7 @@ THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB
 
 
 def passes(count: int = PASSES) -> list[float]:
-    """Return the processor times of passes on one thread [ms], measured in a process of their own.
+    """Return the processor times [ms] of passes on one thread, measured in a separate process.
 
     Raises
     ------
@@ -45,7 +45,7 @@ def factor_of(measured: Sequence[float]) -> float:
 
 
 def machine() -> Mapping[str, Any]:
-    """Return what a result file says of the machine."""
+    """Return the machine's entry in result files: processor, system, Python and NumPy."""
     return {
         "processor": _processor(),
         "system": f"{platform.system()} {platform.machine()}",
@@ -65,7 +65,7 @@ def _processor() -> str:
 
 
 def spent() -> float:
-    """Return the processor time of this process and of those that it waited for [s]."""
+    """Return the processor time [s] of this process and of its finished child processes."""
     try:
         import resource
     except ImportError:  # not on Windows

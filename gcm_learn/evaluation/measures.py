@@ -1,4 +1,4 @@
-"""Measures of a sheet: shares, pairs and times, by any of its columns."""
+"""Measures of a sheet: shares of outcomes, paired differences and times, grouped by columns."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ def cell(name: str, value: Any) -> str:
 
 
 def shares(sheet: Sheet, by: str | Sequence[str] = "entrant") -> Table:
-    """Return what became of the situations, by columns.
+    """Return shares of outcomes and processor times, grouped by columns of the sheet.
 
     Situations of stratum U count only where `by` has the stratum; there the first share is that of
     right refusals. Several seeds of an entrant give a hierarchical interval, one gives Wilson's.
@@ -153,7 +153,7 @@ def pairs(
 
 
 def _pair(mine: Sheet, other: Sheet, first: str, second: str) -> tuple[Any, ...]:
-    """Return situations, difference, the situations of one alone, and p."""
+    """Return the number of situations, the difference, the situations won by each, and p."""
     same = len(mine) == len(other) and all(
         mine[name].tolist() == other[name].tolist() for name in ("suite", "key")
     )
@@ -175,7 +175,7 @@ def _pair(mine: Sheet, other: Sheet, first: str, second: str) -> tuple[Any, ...]
 
 
 def mark_late(sheet: Sheet) -> Sheet:
-    """Return the sheet with catches that took longer than what was charged as late."""
+    """Return the sheet with outcome `late` for catches that took longer than the charged time."""
     late = sheet.caught & (sheet["charged"] > 0.0) & (sheet["ms"] > 1e3 * sheet["charged"])
     outcome = np.where(late & (sheet["thinking"] != "own"), "late", sheet["outcome"])
     return replace(sheet, columns={**sheet.columns, "outcome": outcome.astype(object)})
@@ -194,7 +194,7 @@ def within(part: Sheet) -> list[float]:
 
 
 def ratios(sheet: Sheet) -> dict[str, float]:
-    """Return each entrant's mean of catch times over the earliest known ones.
+    """Return each entrant's mean ratio of catch time to earliest known catch time.
 
     The earliest is the yardstick's, or that of all entrants; NaN where several targets are wanted,
     since a later catch may then be one more. Beside a catch at t = 0 only another one counts.
@@ -215,7 +215,7 @@ def ratios(sheet: Sheet) -> dict[str, float]:
 
 
 def best_of(sheet: Sheet) -> str:
-    """Return the entrant that catches most of what can be caught, the first of equals."""
+    """Return the entrant that catches most targets in reachable situations, the first of equals."""
     whole = sheet.reachable if len(sheet.reachable) else sheet
     counts = {n: int(whole.where(entrant=n)["targets"].sum()) for n in sheet.each("entrant")}
     return max(counts, key=lambda name: counts[name])

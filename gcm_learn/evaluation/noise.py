@@ -23,7 +23,7 @@ SEED = 0  # of the errors, the same for all entrants
 
 
 class _Noted(execution.ExactPlant):
-    """A plant that notes the movement that its arm has made."""
+    """A plant that records the movement of its arm."""
 
     def __init__(self, situation: Any) -> None:
         super().__init__(situation)

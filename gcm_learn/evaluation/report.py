@@ -1,4 +1,4 @@
-"""One page for any sheet, made in one pass over a list of sections."""
+"""Page of a sheet, made in one pass over a list of sections."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def _several(count: int, noun: str) -> str:
 
 
 def verdict(sheet: Sheet) -> str:
-    """Name the entrant that catches most, of all and of those that think quickly."""
+    """Return sentences that name the entrant with most catches, of all and of quick entrants."""
     there = sheet.reachable
     if not len(there):
         return "None of these situations can be caught."

@@ -41,7 +41,7 @@ class SectionPart(NamedTuple):
 
 @dataclass(frozen=True)
 class SheetView:
-    """A sheet as the page shows it."""
+    """A sheet with the settings of its page: reference, folder and marked entrants."""
 
     sheet: Sheet
     reference: str
@@ -65,7 +65,7 @@ class SheetView:
         return figures.colours_of(self.names)
 
     def panels(self, sheet: Sheet) -> Iterator[tuple[str, Sheet]]:
-        """Yield headings and reachable rows: by suite, or by stratum where there is one suite."""
+        """Yield heading and reachable rows of each suite or, of a single suite, of each stratum."""
         there = sheet.reachable
         by = "suite" if len(there.each("suite")) > 1 else "stratum"
         names = _in_order(there) if by == "stratum" else there.each(by)
@@ -76,7 +76,7 @@ class SheetView:
             yield f"{told} ({count})", part
 
     def drawn(self, name: str, figure: Figure, about: str = "") -> pages.Picture:
-        """Return the place of a figure in the page, with the caption of its name."""
+        """Return a figure as a picture within the page, with the caption stored under `name`."""
         caption = WORDS["captions"][name].format(about=about, reference=self.reference)
         return pages.picture_within(figure, caption)
 
@@ -115,7 +115,7 @@ def _table(found: measures.Table, fold: str = "") -> pages.PageTable:
 
 
 def _who(view: SheetView) -> SectionPart:
-    """One line for each entrant."""
+    """Return a table of the entrants with a summary of each."""
     rows = [[name, view.sheet.entrants.get(name, "")] for name in view.names]
     return SectionPart([pages.PageTable(("entrant", "what it does"), rows)])
 
@@ -202,7 +202,7 @@ def _paired(view: SheetView) -> SectionPart:
 
 
 def _thinking(view: SheetView) -> SectionPart:
-    """Charged thinking, if it was measured."""
+    """Return shares of catches by charged thinking time; empty if only one time was measured."""
     sheet = view.sheet.where(noise=0.0)
     if len(sheet.each("thinking")) < 2:
         return SectionPart()
@@ -241,7 +241,7 @@ def _across(sheet: Sheet, column: str) -> pages.PageTable:
 
 
 def _noise(view: SheetView) -> SectionPart:
-    """Inexact perception, if it was measured."""
+    """Return shares of catches by noise of perception; empty if no noise was measured."""
     sheet = view.sheet.where(thinking=view.sheet.each("thinking")[0])
     if not sheet["noise"].any():
         return SectionPart()

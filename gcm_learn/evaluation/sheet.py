@@ -1,4 +1,4 @@
-"""Sheets: one table of answers, in memory and in Parquet."""
+"""Sheets: tables of judged answers, in memory and in Parquet."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ LARGEST_FACTOR = 1e6
 
 @dataclass(frozen=True)
 class Sheet:
-    """One row for every case, entrant, condition and seed."""
+    """Table of answers, with one row for every case, entrant, condition and seed."""
 
     columns: Mapping[str, np.ndarray]
     """By the names of `COLUMNS`; docs/benchmark.md explains them."""
@@ -60,9 +60,9 @@ class Sheet:
 
     @classmethod
     def joined(cls, *parts: Sheet) -> Sheet:
-        """Return the rows of several sheets, one after the other.
+        """Return one sheet with the rows of several sheets, in their order.
 
-        An entrant that answers what another of its name has answered gets a number.
+        An entrant gets a number if another entrant of its name has answered the same question.
         """
         seen: set[tuple[Any, ...]] = set()
         made = [part._told_apart(seen) for part in parts]
@@ -72,7 +72,7 @@ class Sheet:
         return cls(columns, runs, words)
 
     def _told_apart(self, seen: set[tuple[Any, ...]]) -> Sheet:
-        """Return the sheet with names of entrants whose questions are not among the seen ones."""
+        """Return the sheet, numbering entrants with questions in `seen`; add all to `seen`."""
         asked, names = list(zip(*(self[name] for name in ASKED), strict=True)), {}
         for name in self.each("entrant"):
             mine, number, told = [row[1:] for row in asked if row[0] == name], 1, name
@@ -100,7 +100,7 @@ class Sheet:
         return list(dict.fromkeys(self[name].tolist()))
 
     def where(self, keep: np.ndarray | None = None, **words: Any) -> Sheet:
-        """Return the rows of a mask (n,) whose columns have the values, or one of several."""
+        """Return the rows in a mask (n,) whose columns equal a value or one of several."""
         kept = np.ones(len(self), bool) if keep is None else np.array(keep, bool)
         for name, word in words.items():
             wanted = [word] if isinstance(word, (str, int, float)) else list(word)

@@ -31,7 +31,7 @@ FILES = (".json", ".jsonl")
 
 @dataclass(frozen=True)
 class Case:
-    """A situation, and what is known about it."""
+    """A situation with its suite, family, stratum and earliest known catch time."""
 
     situation: AnySituation
     suite: str = "mine"
@@ -52,7 +52,7 @@ class Case:
 
     @cached_property
     def key(self) -> str:
-        """Hash of the situation: cases of one key are paired."""
+        """Hash of the situation: cases with the same key are paired."""
         return content_hash(json.dumps(situation_to_json(self.situation)))[:16]
 
 
@@ -127,7 +127,7 @@ def check_sources(sources: Iterable[str]) -> None:
 
 
 def cases_of(given: Any) -> list[Case]:
-    """Return cases of what `ask` is given: cases, situations, names of sources, or one of these."""
+    """Return the cases that `ask` is given: cases, situations, names, or a single one of these."""
     if isinstance(given, (str, Path)) or not isinstance(given, Sequence):
         given = [given]
     found: list[Case] = []
@@ -167,7 +167,7 @@ def _shipped(suite: suites.Suite) -> list[Case]:
 
 
 def _of_file(path: Path, suite: str) -> list[Case]:
-    """Return the cases of a file with what its lines say of them."""
+    """Return the cases of a file, with the family, stratum and catch time that its lines state."""
     situations = read_situations(path)
     text = path.read_text("utf-8-sig")
     lines = [line for line in text.split("\n") if line.strip(" \t\r")]
@@ -179,7 +179,7 @@ def _of_file(path: Path, suite: str) -> list[Case]:
 
 
 def _known(situation: AnySituation, line: dict[str, Any], suite: str, folder: Path) -> Case:
-    """Return the case of a line, which is a situation or has what is known beside it."""
+    """Return the case of a line, which is a situation alone or a suite's record of a situation."""
     known = line if "suite" in line else {"situation": line}
     given: dict[str, Any] = known["situation"]
     earliest: Any = known.get("earliest")

@@ -33,7 +33,7 @@ def wilson(hits: int, n: int) -> Interval:
 
 
 def chance(p: float) -> str:
-    """A probability as it is written."""
+    """Return a probability as text."""
     if p < SMALLEST:
         return f"< {SMALLEST:.0e}"
     return f"{p:.3f}" if p >= 1e-3 else f"{p:.0e}"
@@ -72,7 +72,7 @@ def holm(chances: Sequence[float]) -> list[float]:
 def difference(
     first: np.ndarray, second: np.ndarray, groups: np.ndarray, seed: int = 0
 ) -> Interval:
-    """Mean of first - second with its 95 % interval.
+    """Return the mean of first - second with its 95 % interval.
 
     From 100 pairs on by a bootstrap that is stratified, which scipy's is not. Of fewer, the score
     interval of Newcombe for shares, and a bootstrap that is not stratified for other numbers.
@@ -101,7 +101,7 @@ def difference(
 
 
 def hierarchical(values: np.ndarray, share: float = 0.95) -> Interval:
-    """Mean of several seeds' values with its interval; seeds and situations are both drawn again.
+    """Return the mean over seeds with its interval, by resampling both seeds and situations.
 
     A draw of situations holds for all seeds, since situations are the same for all of them.
 

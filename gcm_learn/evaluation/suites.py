@@ -178,7 +178,7 @@ def draw_suite(
     cluster: str | None = None,
     progress: Callable[[int], None] = lambda new: None,
 ) -> list[Line]:
-    """Return the first situations of a drawn suite; what is not in the folder yet is drawn.
+    """Return the first `count` situations of a drawn suite; draw those missing in the folder.
 
     Parameters
     ----------
@@ -220,7 +220,7 @@ def draw_suite(
 
 
 def check_frozen(name: str, lines: Sequence[Line]) -> None:
-    """Raise SuiteError unless the lines begin with the frozen ones."""
+    """Raise SuiteError unless the first lines have the hash with which they were frozen."""
     for count, wanted in sorted(FROZEN.get(name, {}).items()):
         if count <= len(lines) and (digest := hash_of(lines[:count])) != wanted:
             raise SuiteError(

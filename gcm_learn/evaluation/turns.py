@@ -42,7 +42,7 @@ Draw = dict[str, Any]
 
 
 def drawn(number: int, seed: int = SEED) -> Draw | None:
-    """A draw by its number as JSON values; None if it is passed over, or begins with a touch."""
+    """Return draw `number` as JSON values; None if it is passed over or its start is blocked."""
     from gcm_learn.planners import Problem, StraightPlanner, bounds, marching, stratum
 
     family = FAMILIES[number % len(FAMILIES)]
@@ -96,7 +96,7 @@ def first_of(
 
 
 def _chunks(folder: Path, crew: Crew, seed: int) -> Iterator[list[str]]:
-    """The lines of one file after the other; those that are not there are drawn and kept."""
+    """Yield the lines of each file in order; draw and write the files that are missing."""
     folder.mkdir(parents=True, exist_ok=True)
     firsts = range(0, MOST, CHUNK)
     missing = [first for first in firsts if not _file(folder, first).exists()]

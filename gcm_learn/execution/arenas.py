@@ -102,10 +102,10 @@ AnyBody = AnyArmBody | str | Path | None
 
 @dataclass(frozen=True)
 class Arena:
-    """An environment: everything that differs between the registered ones."""
+    """Description of a registered environment: everything in which environments differ."""
 
     name: str
-    """Under which Gymnasium knows it."""
+    """Name in Gymnasium."""
     settings: type[ArenaSettings]
     family: str
     """Family from which situations are drawn by default."""
@@ -209,7 +209,7 @@ def plant_of(pool: Pool, count: int, settings: ArenaSettings, threads: int = 1) 
 def pool_for(
     settings: ArenaSettings, situations: Sequence[AnySituation], body: AnyBody = None
 ) -> Pool:
-    """Pack situations for arms of the settings' arena; `body` as `body_for` has it."""
+    """Pack situations for arms of the settings' arena; for `body` see `body_for`."""
     return arena_of(settings).packed(situations, settings.kind, body)
 
 
@@ -250,7 +250,7 @@ def pool_of(
     settings: ArenaSettings = Settings(),  # noqa: B008 -- frozen
     body: AnyBody = None,
 ) -> Pool:
-    """Return a pool of situations; of several only those in which an episode can begin.
+    """Return a pool of situations; of several, only situations in which an episode can begin.
 
     Parameters
     ----------
@@ -299,13 +299,13 @@ class Reserve:
 
     @cached_property
     def whole(self) -> Pool:
-        """All of them, drawn ahead."""
+        """Pool of all situations, drawn ahead."""
         return self.settings.prepared(pool_of(self.source, self.count, self.seed, self.settings))
 
     def at(self, index: int) -> tuple[Pool, int]:
-        """Return a pool with the situation at an index, and its place there.
+        """Return a pool with the situation at an index, and the situation's index in that pool.
 
-        An index whose situation is blocked stands for the next one that is not.
+        If no episode can begin there, the next situation in which one can is taken.
         """
         if index not in self._packed:
             after = ((index + k) % self.count for k in range(self.count))
@@ -320,7 +320,7 @@ class Reserve:
 def reserve_of(
     source: Source | Pool, count: int, seed: int, settings: ArenaSettings, body: AnyBody = None
 ) -> Pool | Reserve:
-    """Return what `pool_of` does; a family of arms without mass is drawn later, by index."""
+    """Return a `Reserve` for a family of arms without mass, and a pool as `pool_of` otherwise."""
     if isinstance(source, Pool):
         return source
     arena = arena_of(settings)

@@ -22,7 +22,7 @@ TINY = 1e-3  # what must be positive is at least this
 
 @dataclass(frozen=True)
 class ArmRanges(ranges.Ranges):
-    """The body and its time; another embodiment is one `dataclasses.replace`."""
+    """Ranges of planar arms and horizons; `dataclasses.replace` gives another embodiment."""
 
     upper_arm: ranges.Range = ranges.span(0.8, 1.2, TINY)
     """Length of the upper arm [forearms]."""
@@ -71,7 +71,7 @@ class ArmRanges(ranges.Ranges):
 
 @dataclass(frozen=True)
 class Family(ranges.Ranges):
-    """A law by which situations are drawn, with its ranges.
+    """Base of families: a law for drawing random situations, with the ranges to draw from.
 
     `dataclasses.replace` gives the same law with other ranges: faster, larger, more, another arm.
     """

@@ -69,7 +69,7 @@ class Falling(EventFamily):
 
 @dataclass(frozen=True)
 class FallingSolid(InSpace, Falling):
-    """Falling solids: the arm's plane is vertical, and what falls also comes through it."""
+    """Falling solids: the arm's plane is vertical, and falling bodies also come through it."""
 
     name = "falling-solid"
     summary = "a falling ball among falling solids and shelves, in a vertical plane"
@@ -80,7 +80,7 @@ RIM = 0.97  # the hand may wait for the target at this share of its reach
 
 @dataclass(frozen=True)
 class LateTarget(EventFamily):
-    """The target flies in from outside; before its entry no hand, wherever it is, can catch it.
+    """A target that flies in from outside; before its entry no hand at any place can catch it.
 
     At its entry it is one grasp away from the ring's outer rim.
     """
@@ -100,7 +100,7 @@ class LateTarget(EventFamily):
     """Speeds of those that move [hand speeds]."""
 
     def event(self, rng: np.random.Generator, arm: Arm, horizon: float) -> Event:
-        """A ball that touches the disc of what the hand can catch at its entry, from outside."""
+        """Draw a ball that at its entry touches, from outside, the disc of places for a catch."""
         entry, size = pick(rng, self.entry) * horizon, self.sizes.ball_to_catch(rng)
         x, y = self.goal(rng, arm, horizon)
         course = math.atan2(y, x)
@@ -121,7 +121,7 @@ class LateTarget(EventFamily):
 
 @dataclass(frozen=True)
 class LateTargetSolid(InSpace, LateTarget):
-    """In space the target may appear anywhere: it comes through the plane late.
+    """A ball that comes through the arm's plane late, anywhere in the ring that the hand reaches.
 
     At its entry it touches the plane; before, its cut with the plane is empty.
     """
@@ -133,7 +133,7 @@ class LateTargetSolid(InSpace, LateTarget):
     """Speed at which the target comes through the plane [hand speeds]."""
 
     def event(self, rng: np.random.Generator, arm: Arm, horizon: float) -> Event:
-        """A ball that touches the plane at its entry, anywhere in the ring."""
+        """Draw a ball that touches the plane at its entry, anywhere in the ring."""
         entry, size = pick(rng, self.entry) * horizon, self.sizes.ball_to_catch(rng)
         meet = self.goal(rng, arm, horizon)
         velocity = polar(pick(rng, self.speed) * arm.max_hand_speed, pick_angle(rng))

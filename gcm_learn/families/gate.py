@@ -44,7 +44,7 @@ class Lock(NamedTuple):
 
 @dataclass(frozen=True)
 class Gate(PieceFamily):
-    """A resting target behind a gate, the arm locked in until it opens."""
+    """A resting target behind a gate; the arm is locked in until the gate opens."""
 
     name = "gate"
     summary = "a gate that locks the arm in until it slides away or runs ahead"
@@ -90,7 +90,7 @@ class Gate(PieceFamily):
         return target, gate, post, *self.fitting(rng, arm, event, others)
 
     def _lock(self, rng: np.random.Generator, arm: Arm) -> Lock:
-        """A gate beside the limb and a target behind it."""
+        """Draw a gate beside the limb, and a target behind the gate."""
         first = math.atan2(*reversed(elbow_at(arm, arm.hand)))
         ahead = ranges.pick_sign(rng)
         forearm = 1.0 if arm.elbow == "right" else -1.0  # to which side of the upper arm
@@ -110,7 +110,7 @@ class Gate(PieceFamily):
         )
 
     def _bolt(self, rng: np.random.Generator, arm: Arm, lock: Lock, opens: float) -> PlanarPiece:
-        """A bar along the gate's direction; its inner end passes the elbow when it opens."""
+        """Draw a bar along the gate's direction; its inner end passes the elbow at time `opens`."""
         half, inner = ranges.pick(rng, self.bolt), ranges.pick(rng, self.near) * arm.upper_arm
         pull = 2.0 * (arm.upper_arm - inner) / opens**2
         size = (half, ranges.pick(rng, self.sizes.half_width))
@@ -120,7 +120,7 @@ class Gate(PieceFamily):
         )  # fmt: skip
 
     def _runner(self, rng: np.random.Generator, arm: Arm, lock: Lock, opens: float) -> PlanarPiece:
-        """A ball that runs at right angles to the gate until it has passed the target's arm."""
+        """Draw a ball that runs at right angles to the gate, past the upper arm at the target."""
         # It has to get there before it is farther from the shoulder than the elbow.
         near = min(ranges.pick(rng, self.near), 0.9 * math.cos(lock.behind)) * arm.upper_arm
         pull = 2.0 * near * math.tan(lock.behind) / opens**2
@@ -131,7 +131,7 @@ class Gate(PieceFamily):
 
 
 def _hand_of(arm: Arm, first: float, second: float) -> Vector:
-    """Hand of joint angles: direction of the upper arm, turn of the forearm against it."""
+    """Return the hand's place at joint angles: the upper arm's direction, the forearm's turn."""
     rho = arm.upper_arm
     return (
         rho * math.cos(first) + math.cos(first + second),
@@ -141,7 +141,7 @@ def _hand_of(arm: Arm, first: float, second: float) -> Vector:
 
 @dataclass(frozen=True)
 class GateSolid(InSpace, Gate):
-    """Gates of solids; some bolts are pulled out of the plane along its normal instead."""
+    """Gates of solids; some bolts leave the plane along its normal instead of sliding in it."""
 
     name = "gate-solid"
     summary = "a gate of solids that slides away, runs ahead or is pulled out of the plane"
@@ -150,7 +150,7 @@ class GateSolid(InSpace, Gate):
     """Share of bolts that leave along the plane's normal."""
 
     def _bolt(self, rng: np.random.Generator, arm: Arm, lock: Lock, opens: float) -> PlanarPiece:
-        """A bolt that slides, or one that leaves the plane from rest."""
+        """Draw a bolt that slides in the plane, or a bolt that leaves the plane from rest."""
         bolt = super()._bolt(rng, arm, lock, opens)
         if rng.random() >= self.pulled:
             return bolt

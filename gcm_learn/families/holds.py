@@ -32,7 +32,7 @@ class Holds(Ranges):
     """Rate at which margins of moving obstacles grow [lengths/s]."""
 
     def ask(self, rng: np.random.Generator, situation: SituationT, unit: float) -> SituationT:
-        """Return a situation with holds of its targets, or as it is; `unit` is a reach's length."""
+        """Return the situation with holds and rest, or unchanged; `unit` is a reach's length."""
         if self.share == 0.0 or rng.random() >= self.share:
             return situation
         hold = Hold(pick(rng, self.seconds), pick(rng, self.relative_speed) * unit)

@@ -27,7 +27,7 @@ CORNER = 1.42  # a bar's corners are at most this many half widths from its midd
 
 
 class Event(NamedTuple):
-    """The target, and one way for the hand to meet it."""
+    """Target of a situation, and one place and time for the hand to meet it."""
 
     target: PlanarPiece
     meet: Vector
@@ -86,7 +86,7 @@ def meeting_time(
 def on_the_way(
     rng: np.random.Generator, arm: Arm, event: Event, share: Range, inside: float
 ) -> tuple[Vector, float]:
-    """Draw a point that the limb sweeps on its straight way to the meeting, and when.
+    """Draw a point that the limb sweeps on its straight way to the meeting, and the time then.
 
     A body nearer to the shoulder than the elbow stops the upper arm from turning past it, so
     that the only detour is the long way round. Farther bodies can be dodged by folding the arm.
@@ -131,7 +131,7 @@ def way_time(arm: Arm, meet: Vector) -> float:
 
 
 def anywhere(rng: np.random.Generator, arm: Arm, inside: float) -> Vector:
-    """A place within reach; `inside` is the share of those nearer to the shoulder than the elbow.
+    """Draw a place within reach; a share `inside` is nearer to the shoulder than the elbow.
 
     In each of the two regions all places are equally likely.
     """
@@ -145,7 +145,7 @@ def polar(radius: float, angle: float) -> Vector:
 
 
 def leaves_room(piece: PlanarPiece, arm: Arm, event: Event) -> bool:
-    """Return whether a piece touches the limb neither at its start nor at the meeting.
+    """Return whether a piece is clear of the limb both at the limb's start and at the meeting.
 
     Decided in the plane, with bars rounded off: for solids, which may lean, it is a good guess.
     """
@@ -155,7 +155,7 @@ def leaves_room(piece: PlanarPiece, arm: Arm, event: Event) -> bool:
 
 
 def touches(piece: PlanarPiece, arm: Arm, hand: Vector, t: float) -> bool:
-    """Return whether a piece is nearer to the limb at a hand position than its thickness, at t."""
+    """Return whether a piece touches the limb at time t, with the hand at `hand`."""
     (x, y), (dx, dy) = piece.at(t), (0.0, 0.0)
     near = piece.size[-1]
     if len(piece.size) == 2:

@@ -200,7 +200,7 @@ def fig8() -> Situation:
 
 
 def pendulum_of(unit: float, shoulder: float) -> Callable[[float], Pendulum]:
-    """Return the swing of something whose centre hangs at a given distance from the pivot.
+    """Return a function that gives a body's swing from its centre's distance to the pivot.
 
     Parameters
     ----------

@@ -20,7 +20,7 @@ _STEPS = 100  # of the integration back to t = 0; the error of a swing is far be
 
 
 class Swing(NamedTuple):
-    """A cord and how it moves; the ball is at `place` at the time `when`."""
+    """Swing to draw: the ball is at `place` at the time `when`, under `gravity`."""
 
     place: Vector
     when: float
@@ -30,7 +30,7 @@ class Swing(NamedTuple):
 
 @dataclass(frozen=True)
 class PendulumFamily(InSpace, EventFamily):
-    """The ball is the target, its cord an obstacle; other pendulums swing across the way.
+    """A target ball on a cord, which is an obstacle; other pendulums swing across the way.
 
     The arm's plane is vertical, the swing's plane stands at an angle to it. There are no planar
     pendulums; bars on hinges in the family "spinning" are their cousins.
@@ -79,7 +79,7 @@ class PendulumFamily(InSpace, EventFamily):
         return Situation(name, horizon, arm, tuple(bodies), self.plane)
 
     def event(self, rng: np.random.Generator, arm: Arm, horizon: float) -> Event:
-        """A ball, and where and when it passes."""
+        """Draw a target ball, and the place and time at which it passes."""
         return self.moving_ball(rng, arm, horizon, (0.0, 0.0), self.wait)
 
     def obstacle(self, rng: np.random.Generator, arm: Arm, event: Event, k: int) -> PlanarPiece:
@@ -92,7 +92,7 @@ class PendulumFamily(InSpace, EventFamily):
     def _pair(
         self, rng: np.random.Generator, swing: Swing, radius: float, role: str, number: str
     ) -> tuple[Body, Body]:
-        """A ball and its cord."""
+        """Draw a ball on a cord, and the cord as an obstacle."""
         motion = self._motion(rng, swing)
         length = motion.length
         cord = Capsule(ranges.pick(rng, self.cord), 0.5 * length)
@@ -106,7 +106,7 @@ class PendulumFamily(InSpace, EventFamily):
         )
 
     def _motion(self, rng: np.random.Generator, swing: Swing) -> Pendulum:
-        """The swing back at t = 0, from its energy and its angle when it meets the plane."""
+        """Draw a pendulum that meets the plane as asked, traced back to t = 0 by its energy."""
         length, amplitude = ranges.pick(rng, self.length), ranges.pick(rng, self.amplitude)
         heading = ranges.pick_sign(rng) * ranges.pick(rng, self.heading)
         angle, stiffness = ranges.pick(rng, self.phase) * amplitude, swing.gravity / length
@@ -162,7 +162,7 @@ def swing_through(
 def ball_on_cord(
     motion: Pendulum, radius: float, thin: float, name: str, number: str = ""
 ) -> tuple[Body, Body]:
-    """A ball, the target if that is its name, and the cord down to it."""
+    """Return a ball and the cord above it; a ball with the name "target" is the target."""
     free = motion.length - radius
     role = "target" if name == "target" else "obstacle"
     return (

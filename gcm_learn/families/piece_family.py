@@ -127,7 +127,7 @@ class EventFamily(PieceFamily):
 
     @abstractmethod
     def event(self, rng: np.random.Generator, arm: Arm, horizon: float) -> layout.Event:
-        """The target and how it may be met."""
+        """Draw the target, and a place and time for the hand to meet it."""
 
     def goal(self, rng: np.random.Generator, arm: Arm, horizon: float) -> Vector:
         """Draw a place at which the hand may meet the target."""

@@ -66,11 +66,11 @@ class PlanarPiece(NamedTuple):
 
     @property
     def rests(self) -> bool:
-        """True if it does not move at all."""
+        """True if the piece does not move at all."""
         return self.velocity == self.acceleration == (0.0, 0.0) and self.spin == 0.0
 
     def at(self, t: float) -> Vector:
-        """Return its origin at time t."""
+        """Return the piece's origin at time t."""
         late, half = t - self.when, 0.5 * (t * t - self.when * self.when)
         (x, y), (vx, vy), (ax, ay) = self.place, self.velocity, self.acceleration
         return x + vx * late + ax * half, y + vy * late + ay * half
@@ -78,7 +78,7 @@ class PlanarPiece(NamedTuple):
 
 @dataclass(frozen=True)
 class SpaceRanges(Ranges):
-    """Ranges of what only solids can do."""
+    """Ranges for solids only: speed, lean and extent out of the arm's plane."""
 
     crossing: Range = span(0.0, 0.4)
     """Speeds at which movers come through the arm's plane [hand speeds]."""
@@ -110,7 +110,7 @@ def solid_body(
     *,
     firm: bool = False,
 ) -> Body:
-    """A piece as a solid that is in the arm's plane at its time.
+    """Return a piece as a solid that is in the arm's plane at the piece's time.
 
     Parameters
     ----------
@@ -157,7 +157,7 @@ def ball_through(piece: PlanarPiece, through: float, middle: float) -> Body:
 def _solid_shape(
     rng: np.random.Generator, piece: PlanarPiece, depth: float
 ) -> tuple[SolidShape, Quaternion]:
-    """A solid of a piece's size, and the turn that puts its z axis to where it belongs."""
+    """Draw a solid of a piece's size, and the turn that aligns its z axis with the piece."""
     if len(piece.size) == 1:
         (radius,) = piece.size
         kind = 0 if piece.role == "target" else int(rng.integers(3))
@@ -174,7 +174,7 @@ def _solid_shape(
 def _flight(
     piece: PlanarPiece, tilt: Quaternion, own: Quaternion, through: float
 ) -> SolidQuadratic:
-    """Constant acceleration in the plane, constant speed `through` it, spin about the tilted z."""
+    """Return a motion: accelerated in the plane, at speed `through` it, spinning about tilted z."""
     frame = product(_STAND, tilt)
     angle = piece.angle - piece.spin * piece.when
     x, y = piece.at(0.0)
@@ -201,7 +201,7 @@ def _leaving(rng: np.random.Generator, piece: PlanarPiece, tilt: Quaternion, dep
 
 
 def _hinge(piece: PlanarPiece, tilt: Quaternion) -> Pendulum:
-    """A bar that turns steadily about its end: a pendulum without gravity."""
+    """Return a bar's steady turn about its end, as a pendulum without gravity."""
     frame = product(_STAND, tilt)
     angle = piece.angle - piece.spin * piece.when
     return Pendulum(

@@ -1,4 +1,4 @@
-"""Presets: configurations of several families by one name."""
+"""Presets: named sets of configurations of several families."""
 
 from __future__ import annotations
 

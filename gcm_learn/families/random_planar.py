@@ -19,7 +19,7 @@ ATTEMPTS = 100
 
 
 def pilot_arm() -> ArmRanges:
-    """The arms of the pilot measurements: one hand speed, one horizon."""
+    """Return the ranges of the pilot measurements' arms: one hand speed, one horizon."""
     return ArmRanges(hand_speed=(SPEED, SPEED), horizon=(HORIZON, HORIZON))
 
 

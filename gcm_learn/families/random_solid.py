@@ -17,9 +17,9 @@ Vector3 = tuple[float, float, float]
 
 @dataclass(frozen=True)
 class RandomSolid(PlanarFamily):
-    """The arm's plane stands anywhere in space; every body crosses it within reach at some time.
+    """An arm's plane anywhere in space, which every body crosses within reach at some time.
 
-    Half of the pendulums are cords, all else flies and most of it spins.
+    Half of the pendulums are cords; all other bodies fly, and most of them spin.
     """
 
     name = "random-solid"
@@ -134,7 +134,7 @@ def random_rotation(rng: np.random.Generator) -> np.ndarray:
 
 
 def random_shape(rng: np.random.Generator, size: Range) -> situation.SolidShape:
-    """A solid of any kind, its sizes from a range [forearms]."""
+    """Draw a solid of any kind, with sizes from a range [forearms]."""
     a, b, c = (pick(rng, size) for _ in range(3))
     return (
         situation.Sphere(a),

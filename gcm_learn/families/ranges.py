@@ -1,4 +1,4 @@
-"""Ranges to draw from: fields that say what they allow, their checks, and single draws."""
+"""Ranges to draw from: dataclass fields with their checks, and functions that draw from them."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def number(default: float, least: float = 0.0, most: float = 1.0) -> Any:
 
 
 def options(*default: float) -> Any:
-    """A field for a list of numbers that are not negative, one of which is drawn."""
+    """A field for a list of non-negative numbers, from which one is drawn."""
     return dataclasses.field(default=default, metadata={"check": _options})
 
 
@@ -53,7 +53,7 @@ def positives(*default: float) -> Any:
 
 @dataclass(frozen=True)
 class Ranges:
-    """Base of all records of ranges: checks every field when it is made."""
+    """Base of all records of ranges: every field is checked when a record is made."""
 
     def __post_init__(self) -> None:
         """Check every field and store it in its plain form."""
@@ -74,7 +74,7 @@ def _default(field: dataclasses.Field[Any]) -> object:
 
 
 def pick(rng: np.random.Generator, ends: Range) -> float:
-    """Draw from a range evenly; one without width takes nothing from the generator."""
+    """Draw uniformly from a range; a range without width takes nothing from the generator."""
     low, high = ends
     return low if low == high else low + (high - low) * rng.random()
 
@@ -95,7 +95,7 @@ def pick_angle(rng: np.random.Generator) -> float:
 
 
 def choose(rng: np.random.Generator, items: Sequence[_Item]) -> _Item:
-    """Draw one of several."""
+    """Draw one of the items."""
     return items[int(rng.integers(len(items)))]
 
 

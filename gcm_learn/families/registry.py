@@ -59,7 +59,7 @@ _FAMILIES: dict[str, type[Family]] = {
 
 
 def family_names(kind: str | None = None) -> list[str]:
-    """Names of the registered families, or of those for "planar", "spatial" or "chain" arms.
+    """Return names of all registered families, or of those for "planar", "spatial" or "chain" arms.
 
     By kind, families whose situations all ask for several catches are left out.
     """
@@ -72,13 +72,13 @@ def family_names(kind: str | None = None) -> list[str]:
 
 @functools.cache
 def get_family(name: str) -> Family:
-    """A family with its default ranges; raises UnknownNameError with the known names."""
+    """Return a family with its default ranges; raise UnknownNameError with the known names."""
     return _class_of(name)()
 
 
 @functools.cache
 def with_arm(family: Family, model: str) -> Family:
-    """Return a family for chains with another `model` of its arm, under that one's own limits."""
+    """Return a family for chains with another arm `model`, under that model's own limits."""
     if family.kind != "chain":
         raise FamilyError("arm", f"{family.name} is for {family.kind} arms, an arm file is a chain")
     chain: Any = family
@@ -140,7 +140,7 @@ def family_to_dict(family: Family) -> dict[str, Any]:
 
 
 def family_from_dict(values: object) -> Family:
-    """The configuration of a dictionary; what is left out keeps its default.
+    """Return the family that a dictionary configures; missing fields keep their defaults.
 
     Parameters
     ----------
@@ -206,7 +206,7 @@ def _plain(record: Ranges) -> dict[str, Any]:
 
 
 def _made(record: _Record, values: object, path: str) -> _Record:
-    """A record with some fields replaced, nested ones too."""
+    """Return a record with the given fields replaced, nested fields too."""
     if not isinstance(values, Mapping):
         raise FamilyError(path, f"must be an object (got {show(values)})")
     if isinstance(values, RepeatedField):

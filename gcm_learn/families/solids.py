@@ -44,7 +44,7 @@ def solid(
     pull: ArrayLike = STILL,
     spin: ArrayLike = STILL,
 ) -> Body:
-    """A solid in free motion, the target if that is its name.
+    """Return a solid in free motion; a solid with the name "target" is the target.
 
     Parameters
     ----------
@@ -70,7 +70,7 @@ def solid(
 
 
 def moved(body: Body, when: float, velocity: ArrayLike, pull: ArrayLike = STILL) -> Body:
-    """A resting body that moves, and is at its place at a time."""
+    """Return a resting body set in motion, so that it is at its place at time `when`."""
     motion = flight(body)
     axes = rotation_of(motion.orientation)
     shape = body.shape
@@ -85,7 +85,7 @@ def flight(body: Body) -> SolidQuadratic:
 
 
 def unit_vector(v: ArrayLike) -> np.ndarray:
-    """A vector (3,) of length 1; the x axis for one without length."""
+    """Return a vector (3,) scaled to length 1; the x axis for a zero vector."""
     given = np.asarray(v, dtype=float)
     length = float(np.linalg.norm(given))
     return given / length if length > 1e-12 else np.array([1.0, 0.0, 0.0])
@@ -108,7 +108,7 @@ def crossed(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 
 def gap(points: np.ndarray, body: Body, t: float) -> np.ndarray:
-    """Signed distances of points (..., 3) to a solid that does not spin; inf to what swings."""
+    """Return signed distances of points (..., 3) to a solid without spin; inf if it swings."""
     motion, shape = body.motion, body.shape
     if not isinstance(motion, SolidQuadratic):
         return np.full(points.shape[:-1], math.inf)
@@ -143,7 +143,7 @@ def placed(body: Body, unit: float, turn: np.ndarray, origin: np.ndarray) -> Bod
 
 
 def _scaled(record: Any, names: tuple[str, ...], unit: float) -> Any:
-    """A record with some of its fields in another unit."""
+    """Return a record with the fields in `names` multiplied by `unit`."""
     changes = {}
     for name in names:
         value = getattr(record, name, None)
@@ -155,6 +155,6 @@ def _scaled(record: Any, names: tuple[str, ...], unit: float) -> Any:
 
 
 def triple(v: ArrayLike) -> tuple[float, float, float]:
-    """A vector (3,) as records hold it."""
+    """Return a vector (3,) as a tuple of floats, as records hold it."""
     x, y, z = np.asarray(v, dtype=float).tolist()
     return x, y, z

@@ -1,4 +1,4 @@
-"""From a situation to its cognitive map, by any engine, and to its static twin."""
+"""Cognitive maps of situations, made by any engine, and static twins of situations."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def build_map(
     ignore: float = 0.0,
     widening: np.ndarray | None = None,
 ) -> CognitiveMap:
-    """Let a front spread from the hand and keep what it met (Eqs. 10-12).
+    """Let a front spread from the hand; return arrivals and contacts as a map (Eqs. 10-12).
 
     Parameters
     ----------
@@ -48,7 +48,7 @@ def build_map(
     Returns
     -------
     CognitiveMap
-        Whether the target was met is its `interception`.
+        Its `interception` is None if no target was met.
     """
     if params is None:
         params = MarchingParams() if wait else MAPS.of(situation).params
@@ -150,7 +150,7 @@ def static_twin(situation: Situation, made: CognitiveMap, poses: int = 1) -> Sit
 
 
 def _meetings(bodies: Bodies, made: CognitiveMap) -> dict[int, np.ndarray]:
-    """Return the times at which the front met each obstacle, one for each cell near it [s]."""
+    """Map each obstacle's index to the times when the front met it, one per blocked cell [s]."""
     from scipy.ndimage import minimum_filter  # takes a fifth of a second to load
 
     when = minimum_filter(made.arrival.filled(np.inf), size=3)  # walls have none of their own
@@ -166,7 +166,7 @@ def _meetings(bodies: Bodies, made: CognitiveMap) -> dict[int, np.ndarray]:
 
 
 def _still(situation: Situation, index: int, t: float, name: str) -> Body:
-    """Return a body as it is at time t, at rest."""
+    """Return a copy of a body that rests at the pose of time t."""
     centre, rotation = pose(situation, index, t)
     place = (float(centre[0]), float(centre[1]))
     turn = float(np.arctan2(rotation[1, 0], rotation[0, 0]))

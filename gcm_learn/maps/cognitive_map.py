@@ -186,12 +186,12 @@ class CognitiveMap:
         return int(np.ravel_multi_index(self.interception.cell, self.chart.shape))
 
     def postures(self, nodes: np.ndarray) -> np.ndarray:
-        """Return the postures (m, dof) of some nodes (m,), of an arm that moves in its joints."""
+        """Return the postures (m, dof) of nodes (m,); only for arms that move in their joints."""
         assert self.joints is not None
         return self.joints[nodes]
 
     def save(self, path: str | Path) -> Path:
-        """Write a map over a lattice to an .npz file (whole or not at all); returns its path."""
+        """Write the map to an .npz file, whole or not at all; return the file's path."""
         path = Path(path).with_suffix(".npz")
         header = header_of(self.chart) | {
             "hand": self.hand,

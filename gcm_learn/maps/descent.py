@@ -31,9 +31,9 @@ def _slope(before, here, after):
 
 @njit
 def gradient(arrival, x, y):
-    """Arrival and its gradient at a point, in cells: (value or -1, d/dx, d/dy).
+    """Return arrival and gradient at a point in cells: (value or -1, d/dx, d/dy).
 
-    Both are interpolated bilinearly between the reached ones of the four nearest cells.
+    Both are interpolated bilinearly between the reached cells among the four nearest.
     """
     n = arrival.shape[0]
     j, i = min(max(int(x), 0), n - 2), min(max(int(y), 0), n - 2)
@@ -124,7 +124,7 @@ def descend_kernel(arrival, x, y, hand_x, hand_y, points):
 def descend(
     cognitive_map: CognitiveMap, start: tuple[float, ...] | None = None
 ) -> tuple[np.ndarray, np.ndarray] | None:
-    """Path from the hand to a point of the map, with the front's arrival along it (Sect. 2.3.4).
+    """Find the path from the hand to a point of the map, and arrivals along it (Sect. 2.3.4).
 
     The path is smooth in the plane. In space it runs from node to node and, where the hand may
     wait, through the spans in which the nodes are free.
@@ -182,7 +182,7 @@ def _over_nodes(
 
 
 def chain_to(cognitive_map: CognitiveMap, node: int) -> list[int]:
-    """Return the nodes by which the front came to one of them, that one the last."""
+    """Return the nodes along which the front came to `node`, from the first to `node` itself."""
     if cognitive_map.via is None:
         raise ValueError("this map does not say where its front came from")
     chain, via = [], cognitive_map.via.ravel()

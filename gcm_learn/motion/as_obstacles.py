@@ -66,7 +66,7 @@ def _shape(radius: float, half: float) -> Capsule | Sphere:
 
 
 def _motion(times: np.ndarray, ends: np.ndarray) -> Sampled | SolidQuadratic:
-    """Return the motion of a capsule with ends (n, 2, 3); its axis is z of its frame."""
+    """Return the motion of a capsule with ends (n, 2, 3), which its z axis joins."""
     centres = ends.mean(axis=1)
     turns = _orientations(ends[:, 1] - ends[:, 0])
     if len(times) == 1 or (np.ptp(ends, axis=0) == 0.0).all():
@@ -149,7 +149,7 @@ def _bounds(movement: Movement, k: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _of_chain(arm: Chain) -> tuple[np.ndarray, np.ndarray]:
-    """Return for each link what the joints do to it (links, 2, m), and sizes of `factors` (m, dof).
+    """Return bounds of the joints' effects on each link (links, 2, m), and |`factors`| (m, dof).
 
     The first row bounds the distance of the link's points to a turning joint. It is 1 for a sliding
     joint and 0 for joints beyond the link. The second row is 1 for joints that turn the link.

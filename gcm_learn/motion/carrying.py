@@ -1,4 +1,4 @@
-"""Carrying: from the end of its hold to its place, a target is one more link of the arm."""
+"""Carrying: from the end of the hold to its place, the target is one more link of the arm."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def _gripped(
 
 
 def carrier(situation: Situation[Any], index: int, joints: np.ndarray, held: float) -> Chain:
-    """Return an arm with a target in its hand, which is then the target's origin.
+    """Return the arm with a target as a link of its hand; the hand's point is the target's origin.
 
     Parameters
     ----------
@@ -72,7 +72,7 @@ def carrier(situation: Situation[Any], index: int, joints: np.ndarray, held: flo
 
 @dataclass(frozen=True)
 class Carry:
-    """A target between the end of its hold and its place."""
+    """A carried target, from the end of its hold to its place."""
 
     situation: Situation[Any]
     number: int
@@ -105,7 +105,7 @@ class Carry:
     def at(
         self, since: float, horizon: float, ignores: bool, moves: Movement | None = None
     ) -> Situation[Chain]:
-        """Return the situation of a part of the carry, whose target is the place.
+        """Return the situation of one part of the carry; its target is the place to reach.
 
         Parameters
         ----------
@@ -140,7 +140,7 @@ class Carry:
     def fault(
         self, placed: float, moves: Movement | None = None
     ) -> tuple[Failure | None, float, float]:
-        """Return what is wrong with a movement until a time, its clearance, and when [s].
+        """Return the failure of a movement up to `placed` or None, its clearance, and a time [s].
 
         The movement is the carry's own by default.
         """
@@ -170,7 +170,7 @@ class Carry:
 
 
 def _standing(arm: Chain, moves: Movement, t: float) -> Chain:
-    """Return an arm as a movement has it at t [s]."""
+    """Return the arm with its state at t = 0 taken from a movement at t [s]."""
     joints, rates, forces = (rows[0] for rows in moves.states_at(np.array([t])))
     speed, most = np.array(arm.max_joint_speed), np.array(arm.max_joint_acceleration)
     joints = np.clip(joints, *np.array(arm.joint_range).T)

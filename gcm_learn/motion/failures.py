@@ -1,4 +1,4 @@
-"""Reasons for a missing catch, which can be counted, each with its sentence."""
+"""Reasons for a missing catch: an enumeration to count, with a sentence for each reason."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from enum import Enum
 
 
 class Failure(Enum):
-    """A reason, whose value is its sentence; numbers stand in braces."""
+    """Reason for a missing catch; the value is a sentence with numbers in braces."""
 
     START_BLOCKED = "{first} and {second} overlap by {depth} at t = 0"
     OUT_OF_REACH = "no target comes within reach before the horizon"
@@ -51,12 +51,12 @@ class Failure(Enum):
     COLLISION = "the limb is touched at t = {when:.3f} s"
 
     def with_numbers(self, **numbers: object) -> Reason:
-        """The reason with what stands in its braces."""
+        """Return the reason with the numbers for its braces."""
         return Reason(self, numbers)
 
     @classmethod
     def of(cls, message: str) -> Failure | None:
-        """The reason whose sentence a message is; None for that of a catch."""
+        """Return the failure that a message states; None for the message of a catch."""
         if message == _BLOCKED_BEFORE:
             return cls.START_BLOCKED
         for failure in cls:
@@ -71,7 +71,7 @@ _BLOCKED_BEFORE = "the limb touches an obstacle at t = 0"  # in records of earli
 
 @dataclass(frozen=True)
 class Reason:
-    """A failure with its numbers; as a string it is a sentence."""
+    """A failure with its numbers; `str` gives the sentence."""
 
     failure: Failure
     numbers: dict[str, object] = field(default_factory=dict)

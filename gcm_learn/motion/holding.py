@@ -1,4 +1,4 @@
-"""Holds: after the catch the hand stays at the target, and as fast as it, for a time."""
+"""Holds: after a catch the hand stays at the target for a time, moving as fast as the target."""
 
 from __future__ import annotations
 
@@ -143,7 +143,7 @@ def _swing_changes(laws, b):
 
 @njit(_nrt=False)
 def _faults_at(scene, b, t, limits, work):
-    """Distance and angle beyond what is allowed, with the joints that are in `work`."""
+    """Return distance and angle beyond their allowed values, at the joints in `work`."""
     where = limbs.place(scene.limb, work.joints)
     x, y, z = limbs.hand_of(scene.limb, where)
     room = target_room(scene, b, x, y, z, t, work.poses) - limits[0]
@@ -229,7 +229,7 @@ def hold_fault_on(scene, b, since, until, curve, span, begin, limits, work):
 
 @njit(_nrt=False)
 def _fault_before(scene, b, t, curve, span, begin, limits, work):
-    """SLIPPED, or what is broken by the law that ends at t [s], if one does."""
+    """Return the fault under the motion law that ends at t [s]; SLIPPED if none ends there."""
     laws = scene.bodies
     p = bodies.piece_at(laws, b, t) if laws.rows[b, bodies.PIECES] > 0.0 else 0
     if p == 0 or bodies.of_piece(laws, b, p, bodies.START) < t:

@@ -133,15 +133,15 @@ def first_interception(scene, rules, x, y, start, since, end):
 
 
 def anywhere(scene: Scene) -> Scene:
-    """Return the scene with an arm that reaches everywhere, whose interceptions come first."""
+    """Return the scene with an arm of unlimited reach, for which interceptions come first."""
     return scene._replace(limb=scene.limb._replace(near=0.0, far=np.inf))
 
 
 @njit(_nrt=False)
 def _away_until(bodies, poses, b, catch, near, far):
-    """Bound the time in which no hand can catch a target, by the ball that holds it [s].
+    """Bound the time [s] in which no hand can catch a target, by the ball around the target.
 
-    It is above or below the plane, beyond the ring, or in its hole.
+    That ball is above or below the plane, beyond the ring, or in the ring's hole.
     """
     ball, top = bodies.rows[b, REACH], bodies.rows[b, TOP_SPEED]
     away = np.sqrt(poses[b, 0] ** 2 + poses[b, 1] ** 2)

@@ -39,7 +39,7 @@ def approaches(scene, b):
 
 @njit(_nrt=False)
 def approach_axis(scene, b, i, t, poses):
-    """Direction of approach i of target b at t [s]; row b of `poses` gets its turn."""
+    """Return the direction of approach i of target b at t [s]; row b of `poses` gets the turn."""
     row, k = scene.bodies.rows, bodies.APPROACH + i * bodies.SECOND
     bodies.turn_at(scene.bodies, b, t, poses)
     x, y, z = row[b, k], row[b, k + 1], row[b, k + 2]
@@ -71,7 +71,7 @@ def angle_between(first, second):
 
 @njit(_nrt=False)
 def approach_excess(scene, where, q, b, t, poses):
-    """Largest angle of the hand to an approach of target b at t [s] beyond what is allowed.
+    """Return the largest excess of the hand's angles to the approaches of target b at t [s].
 
     Parameters
     ----------
@@ -96,7 +96,7 @@ def approach_excess(scene, where, q, b, t, poses):
 
 @njit(_nrt=False)
 def fastest_hand(scene):
-    """Bound of the hand's speed [lengths/s]: its own limit, or what the joints allow."""
+    """Return a bound of the hand's speed [lengths/s]: its own limit, or the joints' if lower."""
     return min(limbs.hand_bound(scene.limb, scene.limits.joint_speed), scene.limits.speed)
 
 
@@ -115,7 +115,7 @@ def met_at(scene, q, t, catch, poses):
 
 @njit(_nrt=False)
 def turn_wait(scene, where, q, b, t, rate, poses):
-    """Time [s] before the hand can have the approaches of target b; 0 if it has them at t.
+    """Bound from below the time [s] until the hand fits the approaches of target b; 0 if it does.
 
     The joints are at q (n,), and their rates are at most `rate` (n,).
     """
@@ -168,7 +168,7 @@ def first_meeting(scene, curve, since, until, catch, shortest, poses):
 
 @njit(_nrt=False)
 def may_be_met(scene, poses):
-    """Return whether a target may come within reach of a hand that moves at its bound of speed.
+    """Return whether a target may come within reach of the hand at the bound of its speed.
 
     A necessary condition by conservative advancement, so False is certain.
     """

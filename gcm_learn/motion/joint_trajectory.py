@@ -123,7 +123,7 @@ def to_joint_trajectory(
 
 
 def _times(moves: Movement, rate: float | None) -> np.ndarray:
-    """Return the times (n,) of a movement's samples, or even ones with the last instant [s]."""
+    """Return a movement's sample times (n,), or even times at `rate` with the last instant [s]."""
     if rate is None:
         return moves.time
     even = np.arange(int(moves.duration * rate) + 1) / rate
@@ -133,7 +133,7 @@ def _times(moves: Movement, rate: float | None) -> np.ndarray:
 def _sampled(
     moves: Movement, exact: np.ndarray, written: np.ndarray | None = None
 ) -> tuple[Movement, np.ndarray | None]:
-    """Return a movement with samples at other times, and its accelerations (n, dof) there.
+    """Resample a movement at times `exact`; return it with its accelerations (n, dof) there.
 
     Accelerations are those of the piece that begins at a sample. The last ones are those of the
     last piece. A movement without rates has None. Rates at the end are 0 if the arm rests.
@@ -179,7 +179,7 @@ def _curve(moves: Movement) -> Any:
 
 
 def to_yaml(message: dict[str, Any]) -> str:
-    """Return a message's fields as YAML for ``ros2 topic pub``; a comment says when it starts."""
+    """Return a message as YAML for ``ros2 topic pub``; a comment explains the start time."""
     lines = [f"header: {_flow(message['header'])}", f"joint_names: {_flow(message['joint_names'])}"]
     lines.append("points:")
     for point in message["points"]:

@@ -65,9 +65,9 @@ def judge(scene, touch, time, joints, rates, body):
 
 @njit
 def _rather_near(scene, time, joints, rates, desk):
-    """A small distance of limb and obstacles, and when [s]: the search needs not go down to it.
+    """Return a nearly least distance of limb and obstacles, to bound the search, and its time [s].
 
-    The smallest of some instants of every move, and then of what is about it.
+    The distance is the smallest at some instants of every move, refined around the best instant.
     """
     best, when, at, share = 1e300, 0.0, 0, 0.0
     for k in range(time.size - 1):
@@ -187,7 +187,7 @@ def _extremes(curve, j):
 
 @njit(_nrt=False)
 def _top_rate(curve, j):
-    """Largest rate of joint j over a move, per share of it."""
+    """Return the largest rate of joint j over a move, per share of the move."""
     b, c, d = curve[j, 1], curve[j, 2], curve[j, 3]
     top = max(abs(b), abs(b + 2.0 * c + 3.0 * d))
     s = -c / (3.0 * d) if d != 0.0 else -1.0

@@ -111,7 +111,7 @@ class Movement:
         return bool((speed <= slow).any())
 
     def until(self, time: float) -> Movement:
-        """Return the movement until one of its samples [s]."""
+        """Return the movement up to the sample at `time` [s]."""
         count = int(np.searchsorted(self.time, time - SAME, side="left")) + 1
         parts = {name: getattr(self, name) for name in ("time", "joints", "rates", "path")}
         cut = {name: None if rows is None else rows[:count] for name, rows in parts.items()}

@@ -1,4 +1,4 @@
-"""Limits that planned movements keep, tighter by a hair than the verified ones."""
+"""Limits for planned movements, tighter by a hair than the limits of verification."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ class Opening(NamedTuple):
 
 
 def opening(scene: Scene) -> Opening:
-    """Return what is known of a scene before it is planned for.
+    """Return the facts of a scene before planning: start clearance, hope of a catch, rules.
 
     Safeties count in forearms, or in the unit of the limb.
     """
@@ -73,7 +73,7 @@ def opening(scene: Scene) -> Opening:
 
 @njit
 def _at_start(scene):
-    """Distance of the limb to obstacles, speeds of hand and targets, if one may be reached."""
+    """Return distance of limb and obstacles, hand and target speeds, if a target may be reached."""
     bodies, limb, distance = scene.bodies, scene.limb, 1e300
     poses = np.zeros((bodies.rows.shape[0], 12))
     for b in range(bodies.rows.shape[0]):
@@ -84,7 +84,7 @@ def _at_start(scene):
 
 @njit
 def _at_start_in_joints(scene):
-    """Return the same for a limb that moves in its joints."""
+    """Return the results of `_at_start` for a limb that moves in its joints."""
     desk = desk_of(scene)
     distance, hopeful = (gap_at(scene, scene.limb.start, 0.0, desk), may_be_met(scene, desk.poses))
     return distance, fastest_hand(scene), _fastest_target(scene.bodies.rows), hopeful

@@ -114,7 +114,7 @@ def _averages(
 def jerk_fault(
     limits: JointLimits, jerk: np.ndarray, moves: Movement, forces: np.ndarray
 ) -> Failure | None:
-    """Return what speaks against a movement with rates under limits of jerk.
+    """Return JOINT_JERK if a movement with rates breaks the limits of jerk, else None.
 
     Parameters
     ----------
@@ -148,7 +148,7 @@ def _ends_of(moves: Movement) -> tuple[np.ndarray, np.ndarray]:
 
 
 def ends_at_rest(moves: Movement, share: float = REST) -> bool:
-    """Return whether a movement with rates rests at its end, to a share of the limits of speed."""
+    """Return whether a movement with rates ends at most at `share` of the limits of speed."""
     assert moves.rates is not None
     return bool((np.abs(moves.rates[-1]) <= share * np.array(moves.arm.max_joint_speed)).all())
 

@@ -117,7 +117,7 @@ def _with_hand(
 def _with_joints(
     situation: AnySituation, moves: Movement, rates: np.ndarray, span: float
 ) -> Iterator[Movement]:
-    """Ways of an arm that moves in its joints to brake in a time."""
+    """Yield movements that brake within `span`, for an arm that moves in its joints."""
     yield _braked(moves, rates, np.full_like(rates, span))
     yield _braked(moves, rates, _spans_in_range(situation.arm, moves, rates, span))
 
@@ -135,7 +135,7 @@ def _spans_in_range(arm: Any, moves: Movement, rates: np.ndarray, span: float) -
 
 
 def _braked(moves: Movement, rates: np.ndarray, spans: np.ndarray) -> Movement:
-    """Let each joint slow down evenly, in a time of its own (dof,) [s].
+    """Slow each joint down evenly, within its own time `spans` (dof,) [s].
 
     The cubic curves of a movement with rates hold this exactly; others get many samples.
     """
@@ -155,18 +155,18 @@ def _braked(moves: Movement, rates: np.ndarray, spans: np.ndarray) -> Movement:
 
 
 def _even(span: float) -> np.ndarray:
-    """Evenly spaced times (m,) of a stop, its end included [s]."""
+    """Return evenly spaced times (m,) of a stop, with its end [s]."""
     return span * np.arange(1, PIECES + 1) / PIECES
 
 
 def _slowing(moves: Movement, span: float) -> tuple[np.ndarray, np.ndarray]:
-    """Times (m,) of a stop after a movement, and the way until then per speed at its start [s]."""
+    """Return times (m,) of a stop after a movement, and the way by then per initial speed [s]."""
     after = _even(span)
     return moves.duration + after, after - 0.5 * after**2 / span
 
 
 def _straight_on(moves: Movement, span: float) -> Movement:
-    """Let the hand of a planar arm slow down on its straight way."""
+    """Slow the hand of a planar arm down on the straight line of its last segment."""
     spans = np.diff(moves.time)
     last = np.flatnonzero(spans > 0.0)[-1]
     velocity = np.diff(moves.hand, axis=0)[last] / spans[last]
@@ -216,7 +216,7 @@ def _goal(situation: AnySituation, hand: np.ndarray) -> Body:
 
 
 def braked(plan: Movement, limits: np.ndarray) -> Movement:
-    """Return a movement that goes on after its end until each joint rests, as soon as it can.
+    """Extend a movement until each joint rests, as soon as its limit of acceleration allows.
 
     A joint that would leave its range loses the rest of its speed at the end: it brakes harder than
     the limits.  A movement that is linear between samples knows no accelerations, and stops at its

@@ -1,4 +1,4 @@
-"""From an untimed path to one that keeps the arm's speed limits."""
+"""Times for a path without times, within the arm's speed limits."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def segment_times(arm: Arm, hand: np.ndarray) -> np.ndarray:
 
 
 def keep_limits(arm: Arm, hand: np.ndarray, wanted: np.ndarray) -> np.ndarray:
-    """Times (n,) for a hand path: the wanted ones, delayed where the arm is not fast enough.
+    """Return times (n,) for a hand path: `wanted`, delayed where the arm is not fast enough.
 
     Parameters
     ----------
@@ -95,7 +95,7 @@ def _refine(time, hand, rho, side, tolerance):
 
 @njit
 def spread(time, hand, spacing):
-    """Return a path with samples at most `spacing` apart, without the first of two equal ones.
+    """Return a path with samples at most `spacing` apart, without the first of two equal samples.
 
     Parameters
     ----------

@@ -66,9 +66,9 @@ def _rates_at(x, y, dx, dy, rho, side):
 
 @njit
 def joint_turns(hand, rho, side, parts):
-    """Turn of each joint over every segment if it turned all the way as fast as at its fastest.
+    """Return each joint's turn over every segment at the joint's largest rate in that segment.
 
-    The fastest is the largest mean rate over `parts` equal pieces, and the largest rate at their
+    That rate is the largest of the mean rates over `parts` equal pieces, and of the rates at their
     ends and where the segment is nearest to the shoulder.
 
     Returns
@@ -141,7 +141,7 @@ _NO_RATES = np.empty((0, 4))
 
 
 class Ask(NamedTuple):
-    """Catches of a movement that goes on after them, and the rules for its end."""
+    """Requirements on a movement that goes on after its catches: the catches, limits and end."""
 
     catches: tuple[tuple[int, float, float], ...]
     """Targets, when each is caught and when its hold ends [s]."""
@@ -156,7 +156,7 @@ class Ask(NamedTuple):
 
     @classmethod
     def of(cls, situation: Any, catches: Sequence[tuple[int, float, float]]) -> Ask:
-        """Return what a situation asks of a movement with some catches."""
+        """Return a situation's requirements on a movement with the given catches."""
         arm, end_by = situation.arm, situation.end_by
         jerk = None if arm.max_joint_jerk is None else np.array(arm.max_joint_jerk)
         forces = np.array(arm.joint_accelerations or (0.0,) * len(arm.joints))
@@ -201,7 +201,7 @@ def verify(
 def _judge_hand(
     scene: Scene, rules: Rules, trajectory: Movement, body: int
 ) -> tuple[Failure | None, float, float]:
-    """Return what is wrong, if anything; the least distance; when [s]."""
+    """Return the failure of a planar movement or None, the least distance, and a time [s]."""
     fault, distance, when = _judge(
         scene, rules.touch, trajectory.time, trajectory.hand, trajectory.joints, body
     )
@@ -211,7 +211,7 @@ def _judge_hand(
 def judge_joints(
     scene: Scene, rules: Rules, trajectory: Movement, body: int
 ) -> tuple[Failure | None, float, float]:
-    """Return what is wrong, if anything; the least distance; when [s]."""
+    """Return the failure of a movement in joints or None, the least distance, and a time [s]."""
     given, limits = trajectory.rates, scene.limits
     if given is None and np.isfinite(limits.joint_acceleration).any():
         return Failure.JOINT_ACCELERATION, 0.0, 0.0
@@ -237,7 +237,7 @@ FAULTS_OF_HOLDS = {
 def _judge_end(
     scene: Scene, rules: Rules, trajectory: Movement, ask: Ask
 ) -> tuple[Failure | None, float, float]:
-    """Return what is wrong, if anything, with a movement that goes on after its catches."""
+    """Judge a movement that goes on after its catches; the results are as of `judge_joints`."""
     moves, limits, end = trajectory, scene.limits, trajectory.duration
     if moves.rates is None:
         return Failure.JOINT_ACCELERATION, 0.0, 0.0
@@ -265,7 +265,7 @@ _JUDGES = ByKind({PLANAR: _judge_hand}, default=judge_joints)
 def _goes_astray(hand, joints, rho):
     """Return whether joints, linear between samples, lead the hand off its straight way.
 
-    They do most of all about half way between two samples.
+    The deviation is largest about half way between two samples.
     """
     for k in range(hand.shape[0] - 1):
         shoulder = 0.5 * (joints[k, 0] + joints[k + 1, 0])

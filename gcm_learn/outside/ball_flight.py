@@ -187,7 +187,7 @@ def pieces_of(flown: Sequence[Flight]) -> list[Piece]:
 
 
 def _fitted(flight: Flight, first: int, last: int) -> tuple[Piece, float]:
-    """Return the piece between two steps, exact at both, and its largest error between them.
+    """Fit a piece between two steps, exact at both; return it with its largest error between.
 
     Its acceleration is that of least squares.
     """

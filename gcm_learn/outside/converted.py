@@ -1,4 +1,4 @@
-"""Records of a conversion, and what all converters do."""
+"""Records of a conversion, and functions that all converters share."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ WITHIN = 0.35
 
 @dataclass
 class Converted:
-    """Situations, and counts for the person who converts."""
+    """Result of a conversion: situations, and counts of remarks on the problems."""
 
     situations: list[Situation[Chain]] = field(default_factory=list)
     counts: dict[str, int] = field(default_factory=dict)
@@ -53,7 +53,7 @@ class Converted:
     """Reasons of the problems that cannot be taken, in their order."""
 
     def count(self, sentence: str, applies: bool) -> bool:
-        """Count a problem if a sentence applies to it; return whether it does."""
+        """Count a problem under `sentence` if that applies; return `applies`."""
         self.counts[sentence] = self.counts.get(sentence, 0) + bool(applies)
         self.asked[sentence] = self.asked.get(sentence, 0) + 1
         return applies
@@ -101,7 +101,7 @@ class Converter(Protocol):
 
 
 def model_named(arm: str) -> ChainModel:
-    """Return the arm of a file whose name ends in ``.json``, or one that ships.
+    """Return the arm model in a file named ``*.json``, or the shipped arm of that name.
 
     Raises
     ------
@@ -146,7 +146,7 @@ def goal_is_blocked(situation: Situation[Chain], goal: Sequence[float]) -> bool:
 
 
 def stays_free(situation: Situation[Chain]) -> bool:
-    """Return whether the arm stays free up to the horizon while it rests."""
+    """Return whether the resting arm stays free of collisions up to the horizon."""
     arm: Any = situation.arm
     posture = np.array([arm.joints, arm.joints])
     (hand,), _ = hands_along(arm, posture[:1])

@@ -59,10 +59,10 @@ class Carrier(Protocol):
     """Belt or turntable."""
 
     def carries(self, place: Vector) -> bool:
-        """Return whether a body at a place is on it."""
+        """Return whether a body at `place` lies on the belt or turntable."""
 
     def motion(self, at: SolidQuadratic) -> SolidMotion:
-        """Return the motion of a body that is at its original pose at the meeting time."""
+        """Return the motion of a carried body that is at pose `at` at the meeting time."""
 
 
 class Belt:
@@ -75,11 +75,11 @@ class Belt:
         self._meeting, self._horizon = meeting, horizon
 
     def carries(self, place: Vector) -> bool:
-        """Return True: it is as long as the scene."""
+        """Return True: the belt is as long as the scene."""
         return True
 
     def motion(self, at: SolidQuadratic) -> Piecewise:
-        """Return pieces of constant velocity, one for each way."""
+        """Return pieces of constant velocity, one for each run of the belt to or fro."""
         way = self._stroke / self._speed  # from the middle to an end [s]
         first = math.floor((way - self._meeting) / (2.0 * way)) + 1
         starts, k = [0.0], first

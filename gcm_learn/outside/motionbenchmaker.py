@@ -87,7 +87,7 @@ class MotionBenchMaker:
         return in_motion(situation, goal, rng(self.moving, zlib.crc32(name.encode())), blocked)
 
     def _model(self, scene: Node) -> tuple[str, ChainModel]:
-        """Return the robot's name in files and its arm."""
+        """Return the robot's name in the scene, and its arm model."""
         robot = scene.at("robot_model_name") if self.arm is None else scene.find("robot_model_name")
         name = "" if robot is None else robot.text()
         if self.arm is not None:

@@ -52,7 +52,7 @@ class Pose:
     turn: np.ndarray
 
     def then(self, other: Pose) -> Pose:
-        """Return another pose, given in the frame of this one."""
+        """Return the composed pose of `other`, which is given in the frame of this pose."""
         return Pose(self.place + self.turn @ other.place, self.turn @ other.turn)
 
 
@@ -199,7 +199,7 @@ def _mesh(node: Node) -> Mesh:
 
 
 def start_of(request: Node, scene: Node) -> Node:
-    """Return the robot's state from which a request starts: its own, or else the scene's."""
+    """Return the robot's state from which a request starts: the request's, or else the scene's."""
     given = request.find("start_state")
     joints = None if given is None else given.find("joint_state")
     if given is None or joints is None or joints.find("name") is None:
@@ -271,7 +271,7 @@ def _refuse_constraints(request: Node) -> None:
 
 
 def _names(node: Node, model: ChainModel, robot: str, given: dict[str, Node]) -> Sequence[str]:
-    """Return what a file calls the joints of an arm."""
+    """Return the names of an arm's joints in a file."""
     names = []
     for joint in model.coordinates:
         called = [name for name in (joint.name, f"{robot}_{joint.name}") if name in given]
@@ -288,7 +288,7 @@ def _in_order(
 
 
 def base_pose(state: Node) -> Pose:
-    """Return the pose of a robot's base: that of its one floating joint, or none."""
+    """Return the pose of a robot's base from its floating joint; the identity without one."""
     floating = state.find("multi_dof_joint_state")
     transforms = None if floating is None else floating.find("transforms")
     if transforms is None:
@@ -300,7 +300,7 @@ def base_pose(state: Node) -> Pose:
 
 
 def base_of(state: Node, scene: Node) -> Base:
-    """Return the base of an arm whose robot starts in a state: the state's, or else the scene's."""
+    """Return the base of an arm from its robot's start `state`, or else from the scene's state."""
     given = state.find("multi_dof_joint_state")
     other = scene.find("robot_state")
     if other is not None and (given is None or given.find("transforms") is None):

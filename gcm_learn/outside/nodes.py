@@ -47,7 +47,7 @@ class Node:
         return FileFormatError(": ".join(filter(None, (self.file, self.path, reason))))
 
     def members(self, known: Collection[str] | None = None) -> dict[str, Any]:
-        """Return the members of an object; unknown names are refused if the known ones are given.
+        """Return the members of an object; refuse names that are not in `known`, if that is given.
 
         Raises
         ------
@@ -63,7 +63,7 @@ class Node:
         return self.value
 
     def inside(self, name: str) -> Node:
-        """Return the member of a name; its value is None if it is missing."""
+        """Return the member called `name`; its value is None if the member is missing."""
         path = f"{self.path}.{name}" if self.path else name
         return Node(self.file, path, self.members().get(name))
 
@@ -75,7 +75,7 @@ class Node:
         return found
 
     def find(self, name: str) -> Node | None:
-        """Return a member, or None if it is missing, null or empty."""
+        """Return the member called `name`, or None if the member is missing, null or empty."""
         found = self.inside(name)
         return None if found.value in (None, [], {}, "") else found
 
@@ -92,7 +92,7 @@ class Node:
         return self.value
 
     def number(self) -> float:
-        """Return a finite number; text such as ``1e-05``, which YAML takes for a word, is one."""
+        """Return a finite number; text such as ``1e-05``, a word in YAML, counts as a number."""
         value = self.value
         if isinstance(value, str):
             try:
@@ -138,7 +138,7 @@ class Node:
         return (w, x, y, z)
 
     def checked(self, make: Callable[..., _Made], *values: Any) -> _Made:
-        """Return ``make(*values)``; its complaint becomes one about this value."""
+        """Return ``make(*values)``; turn its errors into errors about this value."""
         try:
             return make(*values)
         except SituationError as error:

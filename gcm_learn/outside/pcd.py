@@ -56,7 +56,7 @@ def _points(content: bytes) -> np.ndarray:
 
 
 def _header(content: bytes) -> tuple[dict[str, list[str]], bytes]:
-    """Return the words of each line by its first, and what follows the last line."""
+    """Return each header line's words by its first word, and the data after the header."""
     head: dict[str, list[str]] = {}
     while "DATA" not in head:
         line, end, content = content.partition(b"\n")
@@ -90,7 +90,7 @@ def _layout(head: dict[str, list[str]], packed: bool) -> tuple[list[Any], int, i
 
 
 def _unpacked(data: bytes) -> bytes:
-    """Return the bytes that LZF packed: plain ones, and repetitions of earlier ones."""
+    """Unpack bytes packed by LZF: plain bytes, and repetitions of earlier bytes."""
     packed, size = np.frombuffer(data, "<u4", 2).tolist()
     data, made, at = data[8 : 8 + packed], bytearray(), 0
     try:

@@ -1,4 +1,4 @@
-"""Predictors: laws of motion that foretell a track from what was seen of it, by name."""
+"""Predictors by name: laws of motion that predict a track from its observed part."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def _state(window: Window, degree: int, pull: np.ndarray) -> np.ndarray:
 
 
 def laws_of(windows: Sequence[Window], predictor: str) -> list[Law]:
-    """Return what a predictor foretells of windows that have the same horizon.
+    """Return the predicted motion law of each window; all windows have the same horizon.
 
     Raises
     ------

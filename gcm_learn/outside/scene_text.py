@@ -12,7 +12,7 @@ from gcm_learn.outside.nodes import Node
 
 
 def scene_node(name: str, text: str) -> Node:
-    """Return the planning scene of a text, with the members that it has in YAML.
+    """Parse the text of a planning scene into a node with the members of the YAML form.
 
     Objects have poses of their own, or, as older versions of MoveIt write them, only their shapes.
 
@@ -60,7 +60,7 @@ def _shape(kind: str, words: _Words) -> dict[str, Any]:
 
 
 class _Words:
-    """Words of a text, taken in order from its second line on."""
+    """Reader of a text's words, in order from the second line on."""
 
     def __init__(self, file: str, text: str) -> None:
         self.file, self.lines = file, text.splitlines()

@@ -102,9 +102,9 @@ class SiRrt:
             raise scene.error(str(error)) from None
 
     def _measured(self, model: ChainModel, scene: Node, order: Sequence[int]) -> ChainModel:
-        """Return the model with a scene's speeds and radii, where it gives them.
+        """Return the model with the speeds and radii that the scene gives.
 
-        An arm that is named keeps its radii.
+        A model given by `arm` keeps its radii.
         """
         speeds, radii = scene.find("robot_joint_max_velocity"), scene.find("robot_capsules_radius")
         if speeds is not None:
@@ -180,7 +180,7 @@ def _shape(row: Node) -> tuple[bool, SolidShape]:
 
 
 def _motion(row: Node, poses: Sequence[Node], rate: float) -> SolidMotion:
-    """Return the motion through poses, one for each frame."""
+    """Return the motion through `poses`, one pose for each frame."""
     given = [_pose(pose) for pose in poses]
     places = np.array([place for place, _ in given])
     turns = np.array([turn for _, turn in given])
@@ -237,7 +237,7 @@ def thinned(places: np.ndarray, turns: np.ndarray) -> list[int]:
 
 
 def _rests(places: np.ndarray, turns: np.ndarray, k: int) -> bool:
-    """Return whether frame k is at the pose of the last one."""
+    """Return whether frame k has the pose of the last frame."""
     gap = np.abs(places[k] - places[-1]).max(), np.abs(turns[k] - turns[-1]).max()
     return max(gap) <= KEPT
 

@@ -91,7 +91,7 @@ class TableTennis:
         )
 
     def _add(self, name: str, flown: list[Flight], arm: Chain, result: Converted) -> None:
-        """Add the situation of a ball, or count the reason against it."""
+        """Add the situation of a ball, or count the reason for leaving the ball out."""
         flown = above_floor(flown)
         if result.count(NET_STOPS, meets_net(flown)):
             return
@@ -130,7 +130,7 @@ def _state(row: Node) -> list[float]:
 
 
 def facing(states: np.ndarray) -> np.ndarray:
-    """Return states (n, 9), those that fly along +y turned by half a turn about z.
+    """Return states (n, 9), with balls that fly along +y turned by half a turn about z.
 
     All balls then fly towards the same end of the table.
     """
@@ -141,7 +141,7 @@ def facing(states: np.ndarray) -> np.ndarray:
 
 
 def above_floor(flown: list[Flight]) -> list[Flight]:
-    """Return flights up to the floor; the last one ends at the step before."""
+    """Cut flights at the floor; the last flight ends at the step before."""
     made = []
     for flight in flown:
         low = np.flatnonzero(flight.places[:, 2] < RADIUS - HEIGHT)
@@ -167,7 +167,7 @@ def meets_net(flown: list[Flight]) -> bool:
 
 
 def last_in_reach(flown: list[Flight], arm: Chain) -> float:
-    """Return the last time at which a ball is within reach, 0 if it never is [s].
+    """Return the last time at which a ball is within reach, 0 if never [s].
 
     Reach counts from the first joint, and bounds that of the hand.
     """

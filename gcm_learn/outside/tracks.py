@@ -33,7 +33,7 @@ class Track(NamedTuple):
 
 
 class Window(NamedTuple):
-    """Part of a track: looks (k,) [s] up to 0 and seen places, times (m,) from 0 and what came."""
+    """Part of a track: seen places at looks (k,) [s] up to 0, later places at times (m,) from 0."""
 
     looks: np.ndarray
     seen: np.ndarray

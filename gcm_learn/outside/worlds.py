@@ -90,7 +90,7 @@ class World:
         return Cloud(points[measured] * scale, self.radius)
 
     def _simpler(self, body: Body, result: Converted) -> Body:
-        """Return an obstacle of fewer numbers that keeps all away from what it was."""
+        """Return a simplified obstacle that still covers the original, if need be by a margin."""
         if self.simplify is None or not isinstance(body.shape, SURFACES):
             return body
         shape, bound = body.shape.simplified(positive(self.simplify, "simplify"))

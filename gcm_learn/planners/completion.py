@@ -24,7 +24,7 @@ _MORE_TRIES = 60  # later interceptions tried when joint limits forbid the first
 
 
 class Task:
-    """A situation of either arm on its way to a plan: packed, the clock running."""
+    """Planning problem: a situation, packed for planning, with its rules, clock and budget."""
 
     situation: Any
 
@@ -53,7 +53,7 @@ class Task:
         return self.deadline is not None and self.deadline.over
 
     def slices(self, size: int, whole: int) -> int:
-        """Return the share of some work before the next check of the deadline: all without one."""
+        """Return the amount of work before the next check of the deadline; without one, `whole`."""
         return whole if self.deadline is None else min(size, whole)
 
     @property
@@ -137,7 +137,7 @@ class Task:
 
 @dataclass(frozen=True)
 class Attempt:
-    """A trajectory to a target, not yet verified; it ends there unless it holds it."""
+    """Unverified trajectory to a target; by default the catch is at the trajectory's end."""
 
     trajectory: motion.Movement
     body: int
@@ -148,7 +148,7 @@ class Attempt:
 
 
 class Problem(Task):
-    """A situation of the plane on its way to a plan."""
+    """Planning problem for a planar arm."""
 
     situation: Situation
 
@@ -165,7 +165,7 @@ class Problem(Task):
 
 
 class JointProblem(Task):
-    """A situation of an arm that moves in its joints on its way to a plan."""
+    """Planning problem for an arm that moves in its joints."""
 
     situation: Situation[Any]
 
@@ -290,7 +290,7 @@ def path_through(
 
 
 def finish(problem: Problem, hand: np.ndarray, arrival: np.ndarray) -> Attempt | None:
-    """Time a path through hand-space by the front's arrival and end it on a target.
+    """Time a path through hand-space by the front's arrival and end the path on a target.
 
     The movement ends where the hand first comes within grasp of a target.  Without a
     catch along the path, it goes on straight from the path's end to the earliest interception.
@@ -331,7 +331,7 @@ def go_on(
     hand: np.ndarray,
     ending: tuple[np.ndarray, np.ndarray, int] | None,
 ) -> Attempt | None:
-    """A timed path and from its end on what `straight_catch` found, if anything."""
+    """Extend a timed path by the straight ending of `straight_catch`; None without an ending."""
     if ending is None:
         return None
     time = np.concatenate([time, ending[0][1:]])
@@ -368,7 +368,7 @@ def attempt_of(problem: Problem, time: np.ndarray, hand: np.ndarray, body: int) 
 def judged(
     problem: Task, attempt: Attempt, cognitive_map: CognitiveMap | None = None
 ) -> tuple[Plan | None, motion.Verdict]:
-    """Verify an attempt: a plan if it holds, and the verdict."""
+    """Verify an attempt; return the plan (None if verification fails) and the verdict."""
     ask = None
     if attempt.time is not None:
         catch = attempt.body, attempt.time, attempt.until or attempt.time
@@ -380,13 +380,13 @@ def judged(
 
 
 def checked(problem: Task, attempt: Attempt) -> tuple[Plan | None, motion.Reason | None]:
-    """Verify an attempt: a plan if it holds, else why not."""
+    """Verify an attempt; return the plan, or None and the reason of the failure."""
     plan, verdict = judged(problem, attempt)
     return plan, verdict.reason
 
 
 def straight_plan(problem: Problem) -> Plan:
-    """Go straight to the earliest interception: the plan, or why it does not hold."""
+    """Plan a straight way to the earliest interception; if it fails, the plan has the reason."""
     path = straight_catch(problem, np.array(problem.situation.arm.hand), 0.0)
     if path is None:
         return problem.answer(motion.Failure.NO_STRAIGHT_LINE)

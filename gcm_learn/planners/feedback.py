@@ -23,7 +23,7 @@ NEAR = 2.0  # touches nearer together than this widen ever farther [cells]
 
 @dataclass(frozen=True)
 class Exploration:
-    """A map and paths that end at its interception."""
+    """A map, and paths that end at the map's interception."""
 
     map: CognitiveMap
     attempts: Iterable[Attempt] = ()
@@ -36,7 +36,7 @@ class Exploration:
 
 @dataclass(frozen=True)
 class Feedback:
-    """Knowledge about a situation on one lattice.
+    """Lessons from failed attempts at a situation, for maps on one lattice.
 
     A limb that is touched on its path passes between the centres of cells where their neighbourhood
     is not free.  The cells around get a wider margin, and the front goes round or waits.  An
@@ -65,7 +65,7 @@ class Feedback:
     def after(
         self, found: Exploration, failures: list[tuple[Attempt, Verdict]], speed: float
     ) -> Feedback:
-        """Add what the failure of all attempts at an interception teaches.
+        """Return the feedback after all attempts at an interception have failed.
 
         `speed` is the hand's [forearm lengths / s].
         """

@@ -22,7 +22,7 @@ Explore: TypeAlias = Callable[[completion.Problem, Params, Feedback], Exploratio
 
 @dataclass(frozen=True)
 class Level(Generic[Params]):
-    """One kind of map to try."""
+    """Kind of map for a planner to try."""
 
     params: Params
     explore: Explore[Params]
@@ -99,7 +99,7 @@ class FrontPlanner:
     def _by_maps(
         self, problem: completion.Problem, keep: Callable[[CognitiveMap], object] | None
     ) -> Plan:
-        """Try one map after the other."""
+        """Make one map after the other until an attempt holds."""
         first: CognitiveMap | None = None
         reason: Reason | None = None
         for level in self.levels:
@@ -141,7 +141,7 @@ def _first_that_holds(
 
 
 def gcm(params: WaveParams | None = None) -> FrontPlanner:
-    """The paper's planner: the wave of Eq. 10, its map and the descent on it."""
+    """Make the paper's planner: the wave of Eq. 10, its map, and the descent on that map."""
     return FrontPlanner(
         "gcm", wave_levels(WaveParams() if params is None else params, first_arrival)
     )
@@ -176,7 +176,7 @@ def finer(params: Params) -> Params:
 def first_arrival(
     problem: completion.Problem, params: WaveParams | MarchingParams, feedback: Feedback
 ) -> Exploration:
-    """First-arrival map and the descent on it."""
+    """Make the first-arrival map, and an attempt by descent on this map."""
     cognitive_map = build_map(
         problem.situation,
         params,

@@ -31,7 +31,7 @@ def search() -> FrontPlanner:
 
 
 def layered(params: MarchingParams | None = None, name: str = "layered") -> FrontPlanner:
-    """Return the default planner under its other name: the hand may wait.
+    """Return the default planner under its other name, "layered": the hand may wait.
 
     The straight line to the earliest interception is the answer if it holds.  A search that
     heads for the target comes next, see `found`.  Neither makes a map; `build_map` with

@@ -54,7 +54,7 @@ def levels(params: MarchingParams) -> tuple[Level, ...]:
 
 
 def waiting(problem: Problem, params: MarchingParams, feedback: Feedback) -> Exploration:
-    """Layered map and paths back through its states."""
+    """Make the layered map, and paths back through the map's states."""
     return explored(problem, spread(problem, params, feedback), params)
 
 
@@ -72,7 +72,7 @@ def spread(problem: Problem, params: WaveParams | MarchingParams, feedback: Feed
 
 
 def explored(problem: Problem, front: Front, params: WaveParams | MarchingParams) -> Exploration:
-    """Map of a front that waits, and the paths that end at its interception."""
+    """Make the map of a front that waits, and the paths that end at the map's interception."""
     found = map_of(problem.situation, problem.scene, front, params)
     if front.met_state < 0:
         return Exploration(found)
@@ -88,7 +88,7 @@ def explored(problem: Problem, front: Front, params: WaveParams | MarchingParams
 
 
 def path_to(front: Front, arm: Arm, chain: list[int]) -> tuple[np.ndarray, np.ndarray]:
-    """Way (m, 2) from the hand through states, with waits, and when it should be there (m,) [s]."""
+    """Return the hand's way (m, 2) through states, with waits, and its wanted times (m,) [s]."""
     return path_through(arm, front.chart.hands[front.nodes[chain]], front.arrival[chain])
 
 
@@ -133,14 +133,14 @@ def _attempts(problem: Problem, front: Front, chain: list[int], wait: int) -> It
 
 
 def _leaves(problem: Problem, front: Front, chain: list[int], k: int) -> float:
-    """Return when the hand leaves the k-th state of a chain for the next one [s]."""
+    """Return the time at which the hand leaves state k of a chain for the next state [s]."""
     here, there = front.chart.hands[front.nodes[chain[k : k + 2]]]
     away = np.hypot.reduce(there - here)
     return float(front.arrival[chain[k + 1]] - away / fastest(problem.scene))
 
 
 def _last_wait(problem: Problem, front: Front, chain: list[int]) -> int:
-    """Index of the last state of a chain in which the hand waits before it goes on; -1 if none."""
+    """Return the index of the last state of a chain where the hand waits before going on, or -1."""
     stay = A_WAIT * front.chart.spacing / fastest(problem.scene)
     for k in range(len(chain) - 2, -1, -1):
         if _leaves(problem, front, chain, k) - front.arrival[chain[k]] > stay:

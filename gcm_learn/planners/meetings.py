@@ -87,7 +87,7 @@ def shadowed(ground, x, y, radius, blocker):
 
 @njit(_nrt=False)
 def touches(ground, x, y, first):
-    """Find a body that the limb with its hand at (x, y) touches, or -1; `first` comes first."""
+    """Find a body that the limb touches with the hand at (x, y), or -1; try body `first` first."""
     bodies, limb, poses = ground.scene.bodies, ground.scene.limb, ground.postures.scratch
     ex, ey = elbow_of(x, y, limb.rho, limb.side)
     for k in range(bodies.rows.shape[0]):
@@ -101,7 +101,7 @@ def touches(ground, x, y, first):
 
 @njit(_nrt=False)
 def outlook(aim, speed, x, y, t):
-    """Estimate when a hand at (x, y) at time t meets a target before the bound, and its way there.
+    """Estimate when a hand at (x, y) at time t meets a target before the bound.
 
     Returns F and the time to move, both NEVER if it cannot; F is late by at most a span.
     """

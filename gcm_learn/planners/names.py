@@ -42,7 +42,7 @@ def is_registered(name: str) -> bool:
 
 
 def summary_of(name: str) -> str:
-    """Return what a planner of this package does, in one line; empty for another name."""
+    """Return the one-line summary of a planner of this package; empty for another name."""
     return SUMMARIES.get(name, "")
 
 

@@ -36,7 +36,7 @@ class LegCourse(NamedTuple):
 
     @property
     def worth(self) -> tuple[int, float]:
-        """Number of catches, then how early the last one is; larger is better."""
+        """Number of catches, then the negative end of the last leg [s]; larger is better."""
         return len(self.legs), -self.until
 
     @property
@@ -45,7 +45,7 @@ class LegCourse(NamedTuple):
         return [target.name for target in self.now.targets] if self.now is not None else []
 
     def with_leg(self, plan: Plan) -> LegCourse:
-        """Return the course with one more leg, which catches."""
+        """Return the course extended by a leg that catches."""
         moves = plan.trajectory
         end = 0.0 if moves is None else moves.duration
         legs, until = (*self.legs, plan), self.until + end
@@ -63,7 +63,7 @@ class LegCourse(NamedTuple):
 
 
 def with_targets(situation: Any, names: set[Any]) -> Any:
-    """Return a situation with some of its targets only, of which one is to be caught."""
+    """Return the situation with only the targets in `names`; `catch` is "any" for a single one."""
     bodies = tuple(b for b in situation.bodies if b.role != "target" or b.name in names)
     return replace(situation, bodies=bodies, catch="any" if len(names) == 1 else situation.catch)
 

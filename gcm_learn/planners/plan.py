@@ -129,14 +129,14 @@ class Plan:
 
 
 class Planner(Protocol):
-    """Anything that plans; one for other than planar arms has a function `takes`; see `takes`.
+    """Protocol of planners; a planner of arms that are not planar has a method, see `takes`.
 
-    One that keeps no limits of acceleration has a false attribute `accelerates`.
+    A planner that keeps no limits of acceleration has a false attribute `accelerates`.
     """
 
     @property
     def name(self) -> str:
-        """Name under which it is registered."""
+        """Name under which the planner is registered."""
 
     def plan(self, situation: Situation) -> Plan:
         """Answer a situation."""
@@ -151,7 +151,7 @@ class Anytime(Protocol):
 
     @property
     def name(self) -> str:
-        """Name under which it is registered."""
+        """Name under which the planner is registered."""
 
     def plan(
         self, situation: Any, bound: float | None = None, deadline: float | Deadline | None = None
@@ -183,7 +183,7 @@ def end_of(situation: AnySituation, bound: float | None) -> float:
 
 
 def in_plane(kind: Kind) -> bool:
-    """Return whether arms of a kind are planar: what planners take that say nothing else."""
+    """Return whether arms of a kind are planar; the default of planners without `takes`."""
     return kind == PLANAR
 
 
@@ -198,7 +198,7 @@ def any_arm(kind: Kind) -> bool:
 
 
 def takes(planner: Planner, kind: Kind) -> bool:
-    """Return whether a planner takes arms of a kind; it says so by its function `takes`."""
+    """Return whether a planner takes arms of a kind, by its function `takes` if it has one."""
     return bool(getattr(planner, "takes", in_plane)(kind))
 
 
@@ -233,7 +233,7 @@ INSTEAD = {"gcm": "marching", "layered": "search"}
 
 
 def declined(name: str, kind: Kind, where: str = "") -> str:
-    """Return the words by which a planner declines arms of a kind, and the one that takes them."""
+    """Return the message of a planner that declines arms of a kind, with another planner to use."""
     other = f"; {INSTEAD[name]!r} does" if name in INSTEAD and in_joints(kind) else ""
     return f"{name!r} does not take {kind.plural}{where}{other}"
 
@@ -250,7 +250,7 @@ LISTED = ("gcm-learn/solution@3", "gcm-learn/solution@4")
 
 
 def plan_to_json(plan: Plan, situation: AnySituation | None = None) -> dict[str, Any]:
-    """Return the plan in the exchange format that answers its situation's.
+    """Return the plan in the exchange format that belongs to the format of its situation.
 
     Fields that make sense only for a catch are null otherwise; so is the clearance of a catch in a
     world without obstacles, where it has no value.
@@ -259,7 +259,7 @@ def plan_to_json(plan: Plan, situation: AnySituation | None = None) -> dict[str,
     ----------
     plan : Plan
     situation : Situation, optional
-        Answered by the plan; its format is the plan's by default, which must be known then.
+        Answered by the plan; by default the format in the plan counts, which must be known then.
     """
     clearance, moves = plan.clearance, plan.trajectory
     asked = plan.format if situation is None else situation.format

@@ -63,7 +63,7 @@ def absolute(reference: str) -> str:
 
 
 def source_of(given: Any) -> str:
-    """Return a reference with the hash of the file that it names; of an object where it is from."""
+    """Return a reference with the hash of its file; for an object, its module and name."""
     if not isinstance(given, str):
         made = given if hasattr(given, "__qualname__") else type(given)
         return f"{made.__module__}.{made.__qualname__}"
@@ -75,7 +75,7 @@ def source_of(given: Any) -> str:
 
 
 def _file_of(module: str) -> Path | None:
-    """Return the file of an imported module, if it has one."""
+    """Return the file of an imported module; None for a module without a file."""
     made = sys.modules.get(module)
     place = getattr(made, "__file__", None)
     return None if place is None else Path(place)
@@ -127,7 +127,7 @@ def _is_function(given: Any) -> bool:
 
 
 def _wants_arguments(function: Callable[..., Any]) -> bool:
-    """Return whether a function can be called with one argument."""
+    """Return whether a function takes positional arguments; True if its signature is unknown."""
     try:
         parameters = inspect.signature(function).parameters.values()
     except (TypeError, ValueError):
@@ -136,7 +136,7 @@ def _wants_arguments(function: Callable[..., Any]) -> bool:
 
 
 def _tried(call: Callable[[], Any], told: str) -> Any:
-    """Call a function from outside; report its errors in one line."""
+    """Call a function from outside; raise its errors as `UnknownNameError`, in one line."""
     try:
         return call()
     except GcmError:

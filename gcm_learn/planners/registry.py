@@ -111,18 +111,18 @@ def _made(name: str) -> Planner:
 
 
 def _make(place: str) -> Planner:
-    """Return what a factory of this folder makes."""
+    """Return the planner that a factory of this folder makes."""
     return cast(Planner, pkgutil.resolve_name(f"gcm_learn.planners.{place}")())
 
 
 def as_ours(planner: Made) -> Made:
-    """Remember, by its identity, a planner of this package, which verifies its own plans."""
+    """Remember a planner of this package by its identity, since it verifies its own plans."""
     _OURS[id(planner)] = planner
     return planner
 
 
 def _outside(given: Any, name: str, limit: float | None) -> Planner:
-    """Return a planner from outside, or one that tries a policy from outside out."""
+    """Wrap an object from outside as a planner; a policy becomes a planner that tries it out."""
     made = instance(given, name)
     if acts(made) or isinstance(made, Path):
         made = pkgutil.resolve_name(_POLICIES)(made, name)
@@ -171,7 +171,7 @@ def several(situation: AnySituation) -> bool:
 def plan_with(
     planner: Planner, situation: AnySituation, deadline: float | Deadline | None = None
 ) -> Plan:
-    """Let a planner answer a situation, if it takes the arm; a deadline is for those `Anytime`.
+    """Let a planner answer a situation, if it takes the arm; deadlines are for `Anytime` planners.
 
     All plans come in here; `Outside` verifies plans from outside of the package. Planners catch one
     target, so of several they catch one after the other, see `planners.sequences`.
@@ -192,7 +192,7 @@ def plan_with(
 
 
 class ByArm:
-    """Planners under one name, of which the situation's kind of arm chooses.
+    """Planners under one name; the situation's kind of arm selects the planner.
 
     Parameters
     ----------

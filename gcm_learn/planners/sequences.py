@@ -65,7 +65,7 @@ def caught_in_turn(
 
 
 def joined(situation: AnySituation, legs: Sequence[Plan], spent: float) -> Plan:
-    """Return the plan of all legs, verified, or the reason for its absence.
+    """Join all legs to one verified plan; without a catch, the plan has the reason.
 
     Parameters
     ----------

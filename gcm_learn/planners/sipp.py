@@ -117,7 +117,7 @@ def beside_start(m, ground):
 
 @njit(_nrt=False)
 def neighbour(m, d, ground):
-    """Return neighbour d of 9 of node m, the start being the last; -1 if it is not opened yet."""
+    """Return neighbour d of 9 of node m, the last being the start; -1 if absent or not opened."""
     n, q = ground.n, ground.n * ground.n
     if d == 8:
         return q if beside_start(m, ground) else -1
@@ -128,9 +128,9 @@ def neighbour(m, d, ground):
 
 @njit(_nrt=False)
 def another_way(j, ground, labels):
-    """Find the next best leg to label j after one has failed, from a neighbour or later.
+    """Find the next best leg to label j after a leg has failed: from a neighbour, or later.
 
-    Returns when it comes, or NEVER, and from which label.
+    Returns the time of arrival, or NEVER, and the label from which the leg comes.
     """
     m, tries = labels.node[j], labels.tries[j]
     after, best, by = labels.tent[j], NEVER, -1
@@ -148,7 +148,7 @@ def another_way(j, ground, labels):
 
 @njit
 def ending(s, aim, ground, labels):
-    """Go straight from label s to a target that comes near it before the bound."""
+    """Go straight from label s to a target that comes near the label before the bound."""
     step, arrival, limb, m = aim.step, labels.arrival[s], ground.postures.limb, labels.node[s]
     x, y, near = limb[m, 0], limb[m, 1], NEAR * ground.spacing
     i = comes_near(aim, x, y, near, int(arrival / step))
@@ -263,7 +263,7 @@ def queue_label(k, t, aim, queue, ground, labels):
 
 @njit(_nrt=False)
 def relax(s, q, aim, queue, ground, labels):
-    """Queue the safe intervals of node q that label s, or the one before it, reaches sooner."""
+    """Queue the safe intervals of node q that label s, or the label before s, reaches sooner."""
     tolerance = GAIN * ground.spacing / ground.rules.speed
     for k in range(ground.first[q], ground.first[q] + ground.size[q]):
         t, by, tries = entry(s, k, 0.0, ground, labels), s, 1
@@ -278,7 +278,7 @@ def relax(s, q, aim, queue, ground, labels):
 
 @njit(_nrt=False)
 def relax_into(q, aim, queue, ground, labels):
-    """Relax all labels around node q into its safe intervals; it has just been opened."""
+    """Relax all labels around node q, which has just been opened, into the safe intervals of q."""
     for d in range(9):
         m = neighbour(q, d, ground)
         for p in range(ground.first[m], ground.first[m] + ground.size[m]) if m >= 0 else range(0):
@@ -288,7 +288,7 @@ def relax_into(q, aim, queue, ground, labels):
 
 @njit(_nrt=False)
 def relax_from(s, aim, queue, ground, labels):
-    """Relax label s into the nodes around it; queue those that are not opened yet as a whole."""
+    """Relax label s into the opened nodes around it; queue each unopened node as a whole."""
     n, m, limb, speed = ground.n, labels.node[s], ground.postures.limb, ground.rules.speed
     wide, row, column = 1, m // n, m % n
     if s == 0:

@@ -34,7 +34,7 @@ class SearchCells(NamedTuple):
 
 
 class Labels(NamedTuple):
-    """Nodes in their safe intervals; what is `tent` has not been verified."""
+    """Nodes in their safe intervals; tentative arrivals (`tent`) have not been verified."""
 
     node: np.ndarray  # (m,) int
     since: np.ndarray  # (m,): the interval
@@ -47,7 +47,7 @@ class Labels(NamedTuple):
 
 
 class Queue(NamedTuple):
-    """A binary heap; what does not fit is dropped."""
+    """Binary heap of limited size; entries that do not fit are dropped."""
 
     key: np.ndarray  # (m,)
     time: np.ndarray  # (m,): arrival that an entry stands for
@@ -103,7 +103,7 @@ def push(queue, key, time, label):
 
 @njit(_nrt=False)
 def pop(queue):
-    """Take the entry with the smallest key: its time and label."""
+    """Remove the entry with the smallest key; return the time and label of the entry."""
     time, label = queue.time[0], queue.label[0]
     last = queue.size[0] = queue.size[0] - 1
     key, k = queue.key[last], 0

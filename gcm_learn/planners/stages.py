@@ -28,7 +28,7 @@ LOSS = 1e-12  # of digits where a body comes from afar
 
 
 class Staged:
-    """A planner of ordinary horizons that plans longer ones in stages; the first catch counts.
+    """Planner of ordinary horizons that plans longer horizons in stages; the first catch counts.
 
     A stage begins shortly before a target may come within reach, with an arm that has rested until
     then.  An ordinary horizon is one stage.
@@ -38,7 +38,7 @@ class Staged:
         self.planner = planner
 
     def __getattr__(self, name: str) -> Any:
-        """Return what the planner has under a name."""
+        """Return an attribute of the wrapped planner."""
         if name.startswith("__"):
             raise AttributeError(name)
         return getattr(self.planner, name)
@@ -106,7 +106,7 @@ def _after_rest(situation: Any, plan: Plan, start: float) -> Plan:
 
 
 def crossing(arm: Any) -> float:
-    """Return the time in which an arm crosses all of its reach, or all of a joint's range [s]."""
+    """Return the longest time in which an arm crosses its reach, or a joint its range [s]."""
     longest = 2.0 * arm.reach / (getattr(arm, "max_hand_speed", None) or math.inf)
     if kind_of(arm) is PLANAR:
         return longest
@@ -130,13 +130,13 @@ def spans_within_reach(situation: AnySituation, apart: float) -> list[tuple[floa
 
 
 def quiet_from(situation: AnySituation) -> float:
-    """Return the time from which on nothing moves near the arm; infinite without one [s]."""
+    """Return the time after which nothing moves near the arm; infinite without such a time [s]."""
     found = (_spans(situation, body, 2.0 * situation.arm.reach) for body in situation.bodies)
     return max((until for spans in found for _, until, moves in spans if moves), default=0.0)
 
 
 def _spans(situation: Any, body: Body, reach: float) -> list[tuple[float, float, bool]]:
-    """Return the spans in which a body is in a box about the arm, and whether it moves in each."""
+    """Return the spans [s] of a body in a box about the arm, and whether the body moves in each."""
     motion: Any = body.motion
     turn, origin = arm_frame(situation)
     size = body.shape.bounding_radius + situation.arm.grasp

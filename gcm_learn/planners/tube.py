@@ -56,7 +56,7 @@ _TAKEN = ByKind({CHAIN: True}, who="a tube")
 
 @dataclass(frozen=True)
 class InTube:
-    """Lets a planner plan for a thicker, slower arm with a smaller grasp; answers for the real one.
+    """Planner for the real arm by a plan for a thicker, slower arm with a smaller grasp.
 
     The limb then keeps the tube's width to all obstacles, and the hand meets the target that much
     deeper within its grasp.

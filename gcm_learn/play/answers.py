@@ -98,12 +98,12 @@ def respond(kind: str, question: Values) -> Values:
 
 
 def _line(error: BaseException) -> str:
-    """Return an error's sentence as one line."""
+    """Return an error's message as one line."""
     return " ".join(str(error).split())
 
 
 def begin(question: Values) -> Values:
-    """Return what the page offers."""
+    """Return the names of planners, scenes and families that the page offers."""
     return {
         "planners": questions.planners(),
         "scenes": list(questions.scenes()),
@@ -171,7 +171,7 @@ def _plan(name: str, situation: Situation, deadline: float | None) -> Plan | Val
 
 
 def _map(plan: Plan, name: str, situation: Situation) -> CognitiveMap:
-    """Return the map of a plan; planners without one get that of marching, with waits or not."""
+    """Return a plan's map, or a map by marching, without waits if `name` is in `FIRST_ARRIVAL`."""
     if plan.map is not None:
         return plan.map
     return build_map(situation, MarchingParams(), wait=name not in FIRST_ARRIVAL)
@@ -194,14 +194,14 @@ class _Watch:
         self._last = time.perf_counter()
 
     def lap(self, name: str) -> None:
-        """Book the time since the last part [ms]."""
+        """Record the time [ms] since the last call as the time of part `name`."""
         now = time.perf_counter()
         self.parts[name] = round(1e3 * (now - self._last), 2)
         self._last = now
 
 
 def explain(question: Values) -> Values:
-    """Return the stratum of a situation, and the sentences that show why it is that one."""
+    """Return the stratum of a situation, and the sentences that give the reasons for it."""
     situation = questions.situation_of(question)
     straight = plan_with(get_planner("straight"), situation)
     if straight.caught:

@@ -57,7 +57,7 @@ def situation_of(question: dict[str, Any]) -> Situation:
 
 
 def shown(situation: Any) -> Situation:
-    """Return a situation, if the page can show it.
+    """Return the situation, after checking that the page can show it.
 
     Raises
     ------
@@ -94,7 +94,7 @@ def text_of(question: dict[str, Any]) -> Situation:
 
 
 def _first_object(text: str) -> object:
-    """Return the value of a text, or that of its first line if others follow."""
+    """Return the JSON value of a text, or of its first line if more lines follow."""
     try:
         return parse(text)
     except JsonTextError:
@@ -105,7 +105,7 @@ def _first_object(text: str) -> object:
 
 
 def planners_of(question: dict[str, Any]) -> list[str]:
-    """Return the planners of a question; a name must be one that the page offers."""
+    """Return the planners named in a question; refuse names that the page does not offer."""
     names = question.get("planners", [PLANNERS[0]])
     if not isinstance(names, list) or not 1 <= len(names) <= MOST_PLANNERS:
         raise QuestionError("planners", f"must be a list of 1 to {MOST_PLANNERS} names")

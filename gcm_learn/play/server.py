@@ -1,6 +1,6 @@
 """The page's server: this machine only, one secret address, and only the page's own files.
 
-Of the questions that wait it answers the newest.
+Of the waiting questions of one page and kind, the server answers only the newest.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ class _Waiting:
 
 
 class Newest:
-    """Answers questions one after the other, in a thread of its own.
+    """Worker that answers questions one after the other, in a thread of its own.
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ class Newest:
         threading.Thread(target=self._work, name="engine", daemon=True).start()
 
     def ask(self, kind: str, question: Values, page: str = "") -> Values:
-        """Return the answer to a question, or `DROPPED` if a newer one of its kind came before.
+        """Return the answer to a question, or `DROPPED` if a newer one of its kind replaced it.
 
         Parameters
         ----------
@@ -108,7 +108,7 @@ class PortError(GcmError, OSError):
 
 
 class Server(ThreadingHTTPServer):
-    """Serves the page and answers its questions.
+    """HTTP server of the page and of answers to the page's questions.
 
     Parameters
     ----------

@@ -44,7 +44,7 @@ class Acting:
 
     @property
     def kind(self) -> Kind:
-        """Kind of the arms that it moves."""
+        """Kind of the arms that the policy moves."""
         return self.settings.kind
 
     def act(self, observations: np.ndarray, rng: np.random.Generator | None = None) -> np.ndarray:
@@ -54,7 +54,7 @@ class Acting:
     def play(
         self, pool: execution.Pool, places: np.ndarray, rng: np.random.Generator | None = None
     ) -> execution.Episodes:
-        """Play one episode in each of some situations (n,) of a pool.
+        """Play an episode in each of the situations of a pool at indices `places` (n,).
 
         With a generator, actions are drawn; else they are the most likely ones.
         """
@@ -62,12 +62,12 @@ class Acting:
         return execution.run_episode(_Agent(self, rng), plant, places)
 
     def mind(self) -> execution.Commanding:
-        """Return the policy in the closed loop, its most likely action in every period.
+        """Return an agent of the closed loop that takes the policy's most likely actions.
 
         Raises
         ------
         ArmKindError
-            If the closed loop does not take its kind of arm.
+            If the closed loop does not take the policy's kind of arm.
         PolicyError
             If its actions are torques of motors.
         """
@@ -79,7 +79,7 @@ class Acting:
 
 @dataclass(frozen=True)
 class Actor(Acting):
-    """A multilayer perceptron, with what it takes to feed it."""
+    """A multilayer perceptron, with the scaling of observations and the settings of its arms."""
 
     layers: tuple[tuple[np.ndarray, np.ndarray], ...]
     """Weights (out, in) and biases (out,) of each layer, float32."""
@@ -119,7 +119,7 @@ class Actor(Acting):
         return moved(self.settings, observations, aimed)
 
     def save(self, folder: Path) -> Path:
-        """Write it into a folder as arrays; returns the file."""
+        """Write the policy into a folder as arrays; return the file's path."""
         header = {
             "format": FORMAT,
             "head": self.head,
@@ -140,7 +140,7 @@ class Actor(Acting):
 
     @classmethod
     def load(cls, folder: Path) -> Actor:
-        """Read it; which kind of arm it moves is in the file's name.
+        """Read the policy of a folder; the file's name tells its arena.
 
         Raises
         ------
@@ -171,7 +171,7 @@ class Actor(Acting):
 
 
 def file_of(settings: execution.ArenaSettings) -> str:
-    """Name of the file of a policy that moves such arms."""
+    """Return the file name of policies for the settings' arena."""
     return FILES[execution.arena_of(settings).name]
 
 
@@ -183,7 +183,7 @@ class _Agent:
     rng: np.random.Generator | None
 
     def act(self, moment: execution.Moment) -> np.ndarray:
-        """Its actions."""
+        """Return the policy's actions (n, commands) at a moment."""
         return self.policy.act(moment.observations, self.rng)
 
 
@@ -223,7 +223,7 @@ def actor_folder(name: str) -> Path:
 
 
 def shipped_actor(name: str) -> Actor:
-    """Return the actor in a folder of the models; raise PolicyError if it is missing."""
+    """Return a trained actor by its name among the models; raise PolicyError if it is missing."""
     return Actor.load(actor_folder(name))
 
 
@@ -243,9 +243,9 @@ def acted(actor: Acting, situation: AnySituation) -> tuple[str, Movement, int]:
 
 
 def found_actor(given: str) -> Actor | None:
-    """Return a trained actor by its name among the models, its folder, or the `model.zip` in it.
+    """Return a trained actor by name, by its folder, or by the path of the folder's `model.zip`.
 
-    Anything else is None.
+    Return None for anything else.
     """
     if given in all_actor_names():
         return shipped_actor(given)
@@ -279,7 +279,7 @@ def tried_out(name: str) -> ActorPlanner | None:
 
 @dataclass(frozen=True)
 class ActorPlanner:
-    """Tries an actor out: its most likely path first, then drawn ones; the earliest that holds."""
+    """Planner that tries an actor's most likely path and random ones; the earliest valid wins."""
 
     actor: Acting
     name: str
@@ -329,7 +329,7 @@ class ActorPlanner:
 
 
 def _refined_way(arm: Arm, time: np.ndarray, hand: np.ndarray) -> Movement:
-    """Return the trajectory of a hand that begins exactly at its place, with more samples."""
+    """Return the trajectory through hands (n, 2), with more samples, from the arm's hand on."""
     hand[0] = arm.hand
     time, hand = refine(arm, time, hand)
     return Movement.of_hand(arm, time, hand)

@@ -39,7 +39,7 @@ class Demonstrations:
 
     @classmethod
     def joined(cls, parts: Iterable[Demonstrations]) -> Demonstrations:
-        """Several, one after the other."""
+        """Join demonstrations, one after the other."""
         columns = zip(*((p.observations, p.actions, p.caught) for p in parts), strict=True)
         return cls(*map(np.concatenate, columns))
 
@@ -66,15 +66,15 @@ def act_out(pool: Pool, plans: Sequence[Any], settings: ArenaSettings) -> Demons
 
 
 def transitions(pool: Pool, plans: Sequence[Any], settings: ArenaSettings) -> Steps:
-    """All steps of following plans, one after the other, for learners with a replay buffer.
+    """Return all steps of arms that follow plans, for learners with a replay buffer.
 
-    Failures because steps cut corners are included: they come with their rewards.
+    Episodes that fail because steps cut corners are included, with their rewards.
     """
     return _followed(pool, plans, settings)[1]
 
 
 def _followed(pool: Pool, plans: Sequence[Any], settings: ArenaSettings) -> tuple[Episodes, Steps]:
-    """Follow plans: what came of it, and all steps joined."""
+    """Let arms follow plans; return the episodes, and all steps joined."""
     plant, steps = plant_of(pool, len(pool), settings), list[Steps]()
     agent = follower_of(plans, pool, settings.dt)
     episodes = run_episode(agent, plant, np.arange(len(pool)), steps.append)

@@ -39,7 +39,7 @@ def in_words(rows: Sequence[Mapping[str, Any]]) -> str:
 
 
 def table_of(rows: Sequence[Mapping[str, Any]]) -> list[str]:
-    """Return the lines of a table of at most 12 checks, the last one among them."""
+    """Return the lines of a table of at most 12 checks, the last check included."""
     chosen = np.unique(np.linspace(0, len(rows) - 1, min(len(rows), _ROWS)).round().astype(int))
     lines = ["| steps | processor hours | caught | touched |", "|---|---|---|---|"]
     for row in (rows[k] for k in chosen):

@@ -127,7 +127,7 @@ def _can_act(record: Record, planner: str, settings: execution.ArenaSettings) ->
 
 
 class _InBox:
-    """Agent whose actions are as another one's, shortened to the space of actions and rounded."""
+    """Agent with the actions of another agent, scaled into the action space and rounded."""
 
     def __init__(self, agent: execution.Agent) -> None:
         self._agent = agent

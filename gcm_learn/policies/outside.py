@@ -39,7 +39,7 @@ PLACES = (
 
 
 def read_model(path: Path) -> Any:
-    """Return the policy in the file of a model, whatever algorithm made it.
+    """Return the policy in a model file of Stable-Baselines3, whatever the algorithm.
 
     Parameters
     ----------
@@ -88,7 +88,7 @@ def _refuse_scaled(path: Path) -> None:
 
 
 def _data(path: Path) -> dict[str, Any]:
-    """Return what is needed of a model's data."""
+    """Return the entries of a model's data that its policy needs (`NEEDED` and `use_sde`)."""
     with zipfile.ZipFile(path) as archive:
         kept = json.loads(archive.read("data"))
     found: dict[str, Any] = {"use_sde": kept.get("use_sde", False)}
@@ -116,7 +116,7 @@ class _Reader(pickle.Unpickler):
         self._about = about
 
     def find_class(self, module: str, name: str) -> Any:
-        """Return a class by its name, if pickles may name it."""
+        """Return a class by its name; refuse classes that pickles must not name."""
         if (module, name) == ("collections", "OrderedDict"):
             return super().find_class(module, name)
         if any(module == place or module.startswith(f"{place}.") for place in PLACES):
@@ -131,7 +131,7 @@ class _Reader(pickle.Unpickler):
 
 
 def _allowed() -> tuple[type, ...]:
-    """Return the classes whose subclasses pickles may name."""
+    """Return the base classes of the classes that pickles may name."""
     import numpy as np
     from gymnasium.spaces import Space
     from stable_baselines3.common.policies import BasePolicy
@@ -216,7 +216,7 @@ def _predicting(model: Any, name: str) -> Callable[[np.ndarray], np.ndarray]:
 
 
 def _action(predicted: Any, name: str) -> np.ndarray:
-    """Return the action of what `predict` returns: a pair with a state, or the action itself."""
+    """Return the action in a result of `predict`: the action itself, or a pair (action, state)."""
     if not isinstance(predicted, tuple):
         return np.asarray(predicted)
     action, state = predicted
@@ -245,7 +245,7 @@ def _settings_of(policy: Any, name: str) -> ArenaSettings:
 
 
 def _of_environment(policy: Any) -> Any:
-    """Return the settings of the environment that a model holds, if it does."""
+    """Return the settings of a model's environment, or None."""
     try:
         return policy.get_env().get_attr("settings")[0]
     except Exception:  # no environment, or one that is not ours
@@ -253,7 +253,7 @@ def _of_environment(policy: Any) -> Any:
 
 
 def _candidates(space: tuple[int, ...] | None) -> list[ArenaSettings]:
-    """Return settings of all arenas: the default ones, with a fan, with other numbers of slots."""
+    """Return settings of the arenas: by default, then with a fan, then with 0 to 64 slots."""
     plain = [arena.settings() for arena in _arenas()]
     fans = [arena.settings(fan=True) for arena in _arenas() if arena.settings.has_fan]
     kinds = [(arena, fan) for arena in _arenas() for fan in (False, True)]
@@ -263,7 +263,7 @@ def _candidates(space: tuple[int, ...] | None) -> list[ArenaSettings]:
 
 
 def _arenas() -> list[Any]:
-    """Return the arenas whose policies are compared by default."""
+    """Return the arenas that a policy's spaces are compared with by default."""
     return [arena for arena in ARENAS.values() if arena.followed]
 
 

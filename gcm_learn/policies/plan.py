@@ -46,7 +46,7 @@ _OF_PPO = ("value_arch", "bfloat16")
 
 
 def algorithm(name: str) -> type[BaseAlgorithm]:
-    """Return the class behind a name; TQC is one of sb3-contrib."""
+    """Return the class of an algorithm; TQC comes from sb3-contrib."""
     if name == "tqc":
         try:
             from sb3_contrib import TQC
@@ -78,37 +78,37 @@ _DEFAULTS: ByKind[tuple[dict[str, Any], str]] = ByKind(
 
 @dataclass(frozen=True)
 class Share:
-    """Situations of one kind, of several that training is drawn from."""
+    """One source of the situations of a training run, and the choice of situations from it."""
 
     source: str
     """A family's name, a dataset's folder or a file of situations."""
     count: int = 2000
-    """How many of them."""
+    """Number of situations that are drawn or read."""
     strata: tuple[str, ...] = ()
-    """Of a dataset, only records of these."""
+    """Of a dataset: only records of these strata are taken; by default of all."""
     families: tuple[str, ...] = ()
-    """The same of families."""
+    """Of a dataset: only records of these families are taken; by default of all."""
     reachable: bool = False
-    """Of a family or file, only what `search` catches."""
+    """Of a family or file: if true, only situations with a catch by `search` are taken."""
     caught_by: str = ""
-    """Likewise of another planner, e.g. `straight`."""
+    """Of a family or file: only situations with a catch by this planner, e.g. `straight`."""
     shown_by: str = "search"
-    """Of a family or file: the planner whose catches are shown, e.g. `recall`, out of memory."""
+    """Of a family or file: the planner whose catches are the demonstrations, e.g. `recall`."""
     split: str = "train"
-    """Of a dataset."""
+    """Of a dataset: its split."""
     seed: int = 0
-    """Of a family."""
+    """Of a family: seed of the draws."""
 
 
 @dataclass(frozen=True)
 class TrainingPlan:
-    """Everything that decides what comes of a run, up to the arithmetic of torch."""
+    """Settings that determine the result of a training run, up to the arithmetic of torch."""
 
     algo: Literal["clone", "ppo", "sac", "tqc"]
     situations: tuple[Share, ...]
-    """What is trained on."""
+    """Situations of the training."""
     validation: tuple[Share, ...]
-    """What checkpoints are compared on."""
+    """Situations on which checkpoints are compared."""
     n_timesteps: int = 0
     """Steps of all arms together; clones need none."""
     n_envs: int = 64
@@ -128,8 +128,8 @@ class TrainingPlan:
     evaluate_every: int = 250_000
     """Steps between evaluations, each of which leaves a checkpoint."""
     until_settled: int = 0
-    """Learning ends once evaluations have stopped gaining, of which a quarter has at least so many,
-    see `curves`; 0 goes on."""
+    """Learning ends once evaluations have stopped gaining, see `curves`; a quarter of these has
+    at least this number. 0: learning does not end early."""
     hyperparameters: Mapping[str, Any] = field(default_factory=dict)
     """Of the algorithm, as Stable-Baselines3 or `Cloning` name them."""
 
@@ -202,7 +202,7 @@ def read_plan(path: Path) -> TrainingPlan:
 
 
 def _entry(content: object) -> tuple[str, Mapping[str, Any]]:
-    """Return name and fields of the one entry that is for an arena; entries of others may stand by.
+    """Return name and fields of the only entry for an arena; other entries are ignored.
 
     Raises
     ------
@@ -252,7 +252,7 @@ def plan_of(entry: Mapping[str, Any], environment: str = "CatchArm-v0") -> Train
 
 
 def _check_hyperparameters(plan: TrainingPlan, fields: set[str]) -> None:
-    """Refuse names that neither a training run nor its algorithm has, and fractions of counts."""
+    """Refuse names that are no hyperparameters of the algorithm, and counts with fractions."""
     taken = hyperparameters(plan.algo)
     for name, value in plan.hyperparameters.items():
         if name not in taken:

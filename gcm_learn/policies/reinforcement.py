@@ -47,7 +47,7 @@ _LEAN = ByKind({PLANAR: 0.0}, default=2.0)
 
 
 def make(plan: TrainingPlan, pool: Pool, logs: Path) -> BaseAlgorithm:
-    """Return a learner at its beginning."""
+    """Return a new learner, with the network of `plan.start` if there is one."""
     model = _untrained(plan, pool, logs)
     if plan.start:
         begin_as(model, Actor.load(Path(plan.start)))
@@ -58,7 +58,7 @@ def make(plan: TrainingPlan, pool: Pool, logs: Path) -> BaseAlgorithm:
 
 
 def _untrained(plan: TrainingPlan, pool: Pool, logs: Path) -> BaseAlgorithm:
-    """Return a learner with the weights that its library gives it."""
+    """Return a new learner with the initial weights of its library."""
     env = normalised(plan, pool)
     wanted = dict(plan.hyperparameters)
     layers = _units(wanted.pop("net_arch", _NETWORK))
@@ -133,7 +133,7 @@ def acting(model: BaseAlgorithm) -> tuple[nn.Module, ...]:
 
 
 class Checks(BaseCallback):
-    """Call a function after every so many steps, until it says that learning is over.
+    """Callback that calls `check` every `every` steps, and ends learning when `check` returns true.
 
     Parameters
     ----------
@@ -160,7 +160,7 @@ class Checks(BaseCallback):
 
 
 def show(model: BaseAlgorithm, moves: Steps, settings: ArenaSettings) -> None:
-    """Put steps of demonstrations into the replay buffer of a learner that has one."""
+    """Add the steps of demonstrations to a learner's replay buffer."""
     env, buffer = model.get_env(), model.replay_buffer  # type: ignore[attr-defined]
     assert isinstance(env, VecNormalize)
     if env.obs_rms.count < _SEEN:
@@ -194,7 +194,7 @@ def actor_of(model: BaseAlgorithm, plan: TrainingPlan) -> Actor:
 
 
 def keep(model: BaseAlgorithm, folder: Path) -> None:
-    """Write everything that going on needs; each file is replaced when it is whole."""
+    """Write the files that `go_on` needs; a file is replaced once the new one is complete."""
     env = model.get_env()
     assert isinstance(env, VecNormalize)
     with whole_file(folder / LEARNER) as place:
@@ -209,12 +209,12 @@ def keep(model: BaseAlgorithm, folder: Path) -> None:
 
 
 def go_on(plan: TrainingPlan, pool: Pool, folder: Path) -> BaseAlgorithm:
-    """Return the learner that was kept in a folder; nothing in it is unpickled.
+    """Return the learner that `keep` wrote into a folder; no pickles are read.
 
     Raises
     ------
     PolicyError
-        If an older version kept it, in pickles.
+        If an older version wrote the folder, in pickles.
     """
     for name in _PICKLES:
         if (folder / name).exists():

@@ -43,7 +43,7 @@ def write_card(
     sizes: Mapping[str, int],
     rows: Sequence[Mapping[str, Any]] = (),
 ) -> Path:
-    """Write the card, with the curve of a learner's checks; returns its path."""
+    """Write a policy's card, with the learning curve if there is one; return the card's path."""
     file = file_of(plan.settings)
     digest = content_hash((folder / file).read_bytes())[:16]
     sources = "; ".join(_told(share) for share in plan.situations)
@@ -134,12 +134,12 @@ class TrainingRun:
 
     @property
     def seconds(self) -> float:
-        """Since this process took the run up."""
+        """Time since this process took the run up [s]."""
         return time.perf_counter() - self.started
 
     @property
     def processor(self) -> float:
-        """Processor time of this process and of those before it [s]."""
+        """Processor time of the run, in this process and in earlier ones [s]."""
         return self.before + time.process_time()
 
     @cached_property
@@ -162,7 +162,7 @@ class TrainingRun:
 
 
 def train(plan: TrainingPlan, folder: Path, tell: Told = print) -> dict[str, float]:
-    """Train, or go on training, what a plan says.
+    """Train a policy as a plan says, or resume its training.
 
     Parameters
     ----------
@@ -198,9 +198,9 @@ def train(plan: TrainingPlan, folder: Path, tell: Told = print) -> dict[str, flo
 
 
 def _claim(run: TrainingRun) -> None:
-    """Write the plan, or refuse a folder in which another one is under way.
+    """Write the plan into the run's folder; refuse a folder with a run of another plan.
 
-    One without a log has learned nothing yet, and is written over.
+    A run without a log has learned nothing yet, and is overwritten.
     """
     text = json.dumps(plan_to_json(run.plan), indent=1) + "\n"
     path = run.folder / CONFIG
@@ -245,7 +245,7 @@ class _Judge:
             self.best, self.scores = state["best"], state["scores"]
 
     def see(self, actor: Actor, steps: int, more: dict[str, float]) -> dict[str, float]:
-        """Score an actor; keep it if it is the best so far; return its scores."""
+        """Score an actor, save it if it is the best so far, and return its scores."""
         actor = replace(actor, settings=self.plain)
         scores = score(actor, self.pool, self.groups)
         spent = {"seconds": round(self.run.seconds, 1), "processor": round(self.run.processor, 1)}

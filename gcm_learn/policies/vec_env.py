@@ -17,7 +17,7 @@ from gcm_learn.seeding import rng
 
 
 class ArenaVecEnv(VecEnv):
-    """Arms that begin a new episode in the step that ends one.
+    """Vector environment of an arena; a step that ends an episode also begins the next one.
 
     The horizon ends an episode for good (no ``TimeLimit.truncated``): the time left is observed,
     and no reward comes afterwards.
@@ -25,12 +25,12 @@ class ArenaVecEnv(VecEnv):
     Parameters
     ----------
     arms : gymnasium.vector.VectorEnv or Batch
-        What ``gymnasium.make_vec`` makes of an arena, or its plant.
+        An environment from ``gymnasium.make_vec``, or its plant.
     seed : int
         Of the order in which situations come.
     actions : str
-        Those of the arena; or velocities as seen from the straight way, or choices of a direction,
-        see `directions`.
+        Actions of the arena; or velocities as seen from the straight way, or choices of a
+        direction, see `directions`.
     """
 
     render_mode = None
@@ -69,7 +69,7 @@ class ArenaVecEnv(VecEnv):
         self._actions = finite(wanted, (self.num_envs, self.plant.commands), "ArenaVecEnv.step")
 
     def step_wait(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, list[dict[str, Any]]]:
-        """Do it."""
+        """Carry out the noted actions; return observations, rewards, dones and infos."""
         plant = self.plant
         outcomes = plant.move(self._actions)
         rewards = plant.rewards.astype(np.float32)

@@ -1,4 +1,4 @@
-"""Work that is shared out: among this process, others beside it, or the workers of a cluster."""
+"""Tasks done by this process, by other local processes, or by the workers of a cluster."""
 
 from gcm_learn.processes.cluster import ClusterCrew as ClusterCrew
 from gcm_learn.processes.crew import (

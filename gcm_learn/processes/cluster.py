@@ -69,7 +69,7 @@ class ClusterCrew(Crew):
         self._hear(*self._levels)
 
     def _hear(self, *levels: int) -> None:
-        """Let Dask's loggers tell what is of a level at least."""
+        """Set the lowest levels that Dask's two loggers report."""
         for logger, level in zip(_LOGGERS, levels, strict=True):
             logger.setLevel(level)
 
@@ -79,7 +79,7 @@ class ClusterCrew(Crew):
         tasks: Iterable[Task],
         alone: Callable[[Task], Result] | None = None,
     ) -> Iterator[tuple[int, Result]]:
-        """Do tasks; results come as they are ready."""
+        """Do `tasks`; yield (task number, result) pairs as results become ready."""
         strikes: Counter[int] = Counter()
         coming, window = enumerate(tasks), self._as_completed(loop=self._client.loop)
         running: dict[Any, tuple[int, Task]] = {}
@@ -111,7 +111,7 @@ class ClusterCrew(Crew):
                 self._asked(submit, number, task)
 
     def _asked(self, question: Callable[..., Any], *given: Any) -> Any:
-        """Return the cluster's answer, if it is still there."""
+        """Call `question`; raise ClusterError if the cluster has gone away."""
         try:
             return question(*given)
         except self._losses:
@@ -122,7 +122,7 @@ class ClusterCrew(Crew):
 
 
 def done(work: Callable[[Task], Result], task: Task, wanted: str) -> Result:
-    """Do a task on a worker, one at a time."""
+    """Do `task` on a worker, one at a time, if the worker has the `wanted` sources."""
     if sources() != wanted:
         raise ClusterError("a worker has other sources of gcm_learn than this machine")
     with _TURN:

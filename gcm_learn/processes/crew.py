@@ -1,4 +1,4 @@
-"""A function over tasks, wherever it is done, within the cores and memory that there are."""
+"""Crews of workers that apply a function to tasks taken lazily, and a time limit for code."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ Result = TypeVar("Result")
 class Crew(ABC):
     """Workers that live as long as their ``with`` block.
 
-    Leaving it by an error, e.g. by Ctrl-C, ends what they are at.
+    Leaving the block by an error, e.g. by Ctrl-C, ends the tasks under way.
     """
 
     @abstractmethod
@@ -31,14 +31,14 @@ class Crew(ABC):
         tasks: Iterable[Task],
         alone: Callable[[Task], Result] | None = None,
     ) -> Iterator[tuple[int, Result]]:
-        """Do tasks; results come as they are ready, each with the number of its task.
+        """Do `tasks`; yield (task number, result) pairs as results become ready.
 
         Parameters
         ----------
         work : callable
             ``work(task)``, a pure function at the top level of a module, so that others find it.
         tasks : iterable
-            Taken as there is somebody to do them.
+            Taken lazily, as workers need them.
         alone : callable, optional
             ``alone(task)``, run in this process for tasks that `STRIKES` times could not be ended;
             by default `work`.
@@ -50,7 +50,7 @@ class Crew(ABC):
         tasks: Iterable[Task],
         alone: Callable[[Task], Result] | None = None,
     ) -> Iterator[Result]:
-        """Do tasks as `results` does; what comes of them comes in their order."""
+        """Do `tasks` as `results` does; yield the results in the order of the tasks."""
         early: dict[int, Result] = {}
         wanted = 0
         for number, result in self.results(work, tasks, alone):
@@ -69,7 +69,7 @@ class Crew(ABC):
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        """Let everybody go."""
+        """Release the workers."""
 
 
 class Here(Crew):

@@ -1,4 +1,4 @@
-"""Work done by other processes of this machine, and what is done when they die."""
+"""Crew of processes on this machine, which are replaced when they die."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_
 
 
 def cores() -> int:
-    """Processor cores that this process may use; all there are where nobody can tell."""
+    """Return the number of cores that this process may use; all cores where that is unknown."""
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
@@ -35,9 +35,9 @@ def cores() -> int:
 
 @contextlib.contextmanager
 def interrupts_held() -> Iterator[None]:
-    """Ctrl-C waits until the block ends, and never comes to processes that start in it.
+    """Delay Ctrl-C until the block ends; keep it from processes that start in the block.
 
-    A terminal sends it to all of them. A process that is just starting would answer with a
+    A terminal sends it to all processes. A process that is just starting would answer with a
     traceback, and half of its input would make the next one fail.
     """
     if threading.current_thread() is not threading.main_thread():
@@ -64,16 +64,16 @@ def interrupts_held() -> Iterator[None]:
 
 
 class _Process(SpawnProcess):
-    """A process that does not know of Ctrl-C: its parent decides."""
+    """Process that Ctrl-C does not interrupt at its start; the parent decides when to end it."""
 
     def start(self) -> None:
-        """Start it."""
+        """Start the process, with Ctrl-C held back."""
         with interrupts_held():
             super().start()
 
 
 class Context(SpawnContext):
-    """Starts new interpreters, as multiprocessing's ``spawn`` does, without Ctrl-C."""
+    """Context that starts new interpreters, as multiprocessing's ``spawn`` does, without Ctrl-C."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -86,7 +86,7 @@ class Context(SpawnContext):
         return process
 
     def kill(self) -> None:
-        """End all processes at once, also those that have not come to their work yet."""
+        """Kill all processes at once, also processes that have not begun their work."""
         for process in self._started:
             if process.is_alive():
                 process.kill()
@@ -94,7 +94,7 @@ class Context(SpawnContext):
 
 @contextlib.contextmanager
 def pool(workers: int) -> Iterator[ProcessPoolExecutor]:
-    """At most so many processes of one thread each; they end with the block or with this one."""
+    """Yield a pool of up to `workers` one-thread processes; they end with the block or parent."""
     context = Context()
     listening, speaking = context.Pipe(duplex=False)
     untold = context.Semaphore(1)
@@ -115,7 +115,7 @@ def pool(workers: int) -> Iterator[ProcessPoolExecutor]:
 
 @contextlib.contextmanager
 def _one_thread() -> Iterator[None]:
-    """Set the number of threads that a process reads when it imports numpy."""
+    """Set the environment so that processes started in the block use one thread each."""
     kept = {name: os.environ.get(name) for name in THREADS}
     os.environ.update(dict.fromkeys(THREADS, "1"))
     try:
@@ -129,14 +129,14 @@ def _one_thread() -> Iterator[None]:
 
 
 def _begin(line: Connection, listeners: Sequence[Callable[[], object]], untold: Semaphore) -> None:
-    """Start a process: Ctrl-C is for the parent, whose end is noticed on the line."""
+    """Prepare a worker: ignore Ctrl-C, exit if the parent closes `line` or dies, set listeners."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     threading.Thread(target=_leave_with_parent, args=(line,), daemon=True).start()
     compiled.on_compile[:] = [partial(_tell_first, listeners, untold)] if listeners else []
 
 
 def _leave_with_parent(line: Connection) -> None:
-    """Wait until the other end of the line is closed, by will or by death, and go."""
+    """Wait until the parent closes the other end of `line`, or dies; then exit."""
     with contextlib.suppress(EOFError, OSError):
         line.recv_bytes()
     os._exit(1)
@@ -150,11 +150,11 @@ def _tell_first(listeners: Sequence[Callable[[], object]], untold: Semaphore) ->
 
 
 class LocalCrew(Crew):
-    """Processes, which get their tasks from a short queue.
+    """Crew of processes that take tasks from a short queue.
 
     A process that dies (killed, out of memory, a fault in compiled code) takes the whole pool with
-    it.  A new one is started, and what was under way is done again.  A task that was under way
-    `STRIKES` times is done alone, which has to get by without the pool.
+    it.  A new pool is started, and tasks under way are done again.  A task that was under way at
+    `STRIKES` such deaths is done in this process, without the pool.
 
     Parameters
     ----------
@@ -177,7 +177,7 @@ class LocalCrew(Crew):
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        """End the processes; at once if it is an error that leaves the block."""
+        """End the processes; at once if an error leaves the block."""
         self._executor = None
         self._block.__exit__(kind, error, trace)
 
@@ -187,7 +187,7 @@ class LocalCrew(Crew):
         tasks: Iterable[Task],
         alone: Callable[[Task], Result] | None = None,
     ) -> Iterator[tuple[int, Result]]:
-        """Do tasks; results come as they are ready.
+        """Do `tasks`; yield (task number, result) pairs as results become ready.
 
         Leaving the iteration early ends the processes at once.
         """

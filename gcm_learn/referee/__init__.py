@@ -1,4 +1,4 @@
-"""A referee of solutions: it reads the exchange formats alone, and nothing else of the package.
+"""Referee of solutions, which reads the exchange formats alone and no other code of the package.
 
 >>> from gcm_learn.referee import judge
 >>> judge(situation, solution)  # doctest: +SKIP

@@ -78,7 +78,7 @@ def check_model(model: Any, arm: Mapping[str, Any]) -> None:
 
 
 def _check_tree(joints: Any, k: int, path: str) -> None:
-    """Refuse a joint (from 0) that stands on, or follows, what does not come before it."""
+    """Refuse a joint (from 0) whose parent or leader does not come before it."""
     if joints[k].get("parent", k) > k:
         raise Unreadable(f"{path}.parent: is not before the joint")
     if "follows" in joints[k]:

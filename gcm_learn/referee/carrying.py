@@ -53,7 +53,7 @@ class Carry:
         return [Complaint("catches", what, self.placed)]
 
     def watched(self, size: float) -> list[Watched]:
-        """Return the movement of the capsule, in parts by what does not count."""
+        """Return the capsule's movement, in parts with the obstacles that each part ignores."""
         axes = np.array([[self.centre - self.half, self.centre + self.half]])
         none = np.zeros((0, 2), dtype=int)
         link = replace(

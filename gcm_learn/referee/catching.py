@@ -17,7 +17,7 @@ LATER = {"hold": "held_until", "place": "placed"}
 
 
 class Catch(NamedTuple):
-    """A target, when it is caught, and until when it is held and carried."""
+    """Catch of a target: its name, and the times of catch, end of hold and placing."""
 
     body: str
     time: float
@@ -61,7 +61,7 @@ def catches_of(
 
 
 def _entry(entry: Any, bodies: Mapping[str, Any]) -> str:
-    """Return what is wrong with the form of an entry, or nothing."""
+    """Return a complaint about the form of an entry; empty if the form is right."""
     if not isinstance(entry, Mapping) or not {"body", "time"} <= set(entry):
         return "that is not body and time"
     if not isinstance(entry["body"], str):

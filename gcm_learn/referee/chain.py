@@ -19,7 +19,7 @@ COARSE = 32
 
 @dataclass(frozen=True)
 class Joint:
-    """One joint as arrays, with the rotation that stands before it."""
+    """One joint as arrays, with the fixed rotation before the joint."""
 
     origin: Array
     axis: Array
@@ -33,7 +33,7 @@ class Joint:
 
 
 def _joint(given: dict[str, Any], number: int) -> Joint:
-    """Return a joint of an arm file; its number counts from 1."""
+    """Return joint `number`, from 1, of an arm file."""
     axis = unit(given["axis"])
     before = rotations(given.get("rotation", (1.0, 0.0, 0.0, 0.0)))
     along = np.outer(axis, axis)
@@ -137,7 +137,7 @@ class Geometry:
 
     @cached_property
     def lengths(self) -> Array:
-        """Bounds (m,) of the distance between each frame's origin and that of the one before."""
+        """Bounds (m,) of the distance between the origins of each frame and the frame before."""
         slide = [max(map(abs, j.ends)) if j.slides else 0.0 for j in self.joints]
         return np.array([np.linalg.norm(j.origin) for j in self.joints]) + slide
 

@@ -52,7 +52,7 @@ class Motion(Protocol):
 
 
 class Watched(NamedTuple):
-    """A movement of links, and what does not count."""
+    """A movement of links, and the pairs of link and obstacle that it ignores."""
 
     motion: Motion
     ignored: Set[tuple[int, str]]
@@ -74,7 +74,7 @@ class Nearest:
 
 
 class _Intervals:
-    """Intervals of time with an index each of what is compared in them."""
+    """Intervals of time, each with the index of the pair that is compared in it."""
 
     def __init__(self, edges: Array, count: int, work: int) -> None:
         self.work = work

@@ -18,7 +18,7 @@ class Curve(NamedTuple):
     """Coefficients (n, joints, 4) of the polynomials."""
 
     def pieces(self, times: Array) -> tuple[Array, Array]:
-        """Return the piece (k,) of each time (k,), and the time since its begin (k,)."""
+        """Return the piece's index (k,) at each time (k,), and the time since its begin (k,)."""
         last = len(self.powers) - 1
         piece = np.clip(np.searchsorted(self.knots, times, side="right") - 1, 0, last)
         return piece, times - self.knots[piece]

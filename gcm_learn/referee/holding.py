@@ -20,7 +20,7 @@ from gcm_learn.referee.tolerances import MOMENT, NEAR, WORK, Complaint
 
 
 class Grip:
-    """A hand beside a target along a movement, and what is asked of both.
+    """A hand beside a target along a movement, and the hold and approaches to keep.
 
     Columns hold the measures. They are the relative speed if the target has a hold, the distance
     to its solid, and for each approach the distance of two directions of length 1.
@@ -113,7 +113,7 @@ class Grip:
         return np.stack(columns, axis=1), np.linalg.norm(apart, axis=1)
 
     def _bows(self, inside: Array, span: Array, values: Array, apart: Array) -> Array:
-        """Return bounds (k, m) of what the columns exceed those at both ends of intervals."""
+        """Return bounds (k, m) by which columns exceed their values at both ends of intervals."""
         piece, _ = self.curve.pieces(inside)
         places, turns = point_bounds(self.geometry, self.curve, self.hand)
         (h1, h2, h3), (x, y, _) = [[b[piece] for b in bounds] for bounds in (places, turns)]

@@ -91,7 +91,7 @@ class JointArm:
         return [ChainMotion(self.geometry, _curve(columns), self.size)]
 
     def carried(self, columns: Columns, body: Body, catch: Catch) -> list[Watched]:
-        """Return the movement of a target in the hand, in parts by what does not count."""
+        """Return the movement of a carried target, in parts with the obstacles ignored in each."""
         if catch.placed is None:
             return []
         joint = self.points["hand"][0]
@@ -227,7 +227,7 @@ def read_spatial(version: int, arm: Mapping[str, Any]) -> JointArm:
 
 
 def asked(situation: Mapping[str, Any], arm: JointArm) -> JointArm:
-    """Return the arm of a situation of version 4, refused if holds or end need more than it has."""
+    """Return the arm of a version 4 situation; refuse holds or an end that need limits it lacks."""
     rests, limited = situation.get("end") == "rest", arm.limits.acceleration is not None
     if rests and not limited:
         raise Unreadable("end: rest needs limits of acceleration")
@@ -299,7 +299,7 @@ def _limits(version: int, joints: Any, arm: Mapping[str, Any], own: list[int]) -
 
 
 def _started(posture: Any, ranges: Any) -> Array:
-    """Return the coordinates (n,) at t = 0; those that are nearly in their ranges are the bound."""
+    """Return the coordinates (n,) at t = 0, moved to their range's end if barely outside."""
     given = np.array(posture, dtype=float)
     bound = np.clip(given, *np.array(ranges, dtype=float).T)
     near = np.abs(given - bound) <= AT_LIMIT * np.maximum(1.0, np.abs(bound))

@@ -1,4 +1,4 @@
-"""The verdict on one solution, and on files of them."""
+"""Verdicts on one solution, and on files of solutions."""
 
 from __future__ import annotations
 
@@ -121,7 +121,7 @@ def _floor(arm: Arm) -> float:
 
 
 def _start(arm: Arm, bodies: list[Body], status: str) -> list[Complaint]:
-    """Return complaints about an answer without a catch: the start is blocked or it is not."""
+    """Return complaints about an answer without a catch that is wrong about a blocked start."""
     motion, hair = arm.resting(), arm.granted.blocked
     outside = nearest_obstacle(motion, bodies, arm.ignored, -math.inf, 0.0, margins=True)
     itself = overlap(motion, hair)
@@ -175,7 +175,7 @@ Place = tuple[str, dict[str, Any]]
 
 
 def read(path: Path) -> list[Place]:
-    """Return the objects of a file, each with the place where it stands.
+    """Return the JSON objects of a file, each with its place: the path, or path and line.
 
     A `.json` file holds one object, a `.jsonl` file one in each line that is not blank, and files
     of other names either.
@@ -208,12 +208,12 @@ def _object(text: str, place: str) -> dict[str, Any]:
 
 
 def _integer(digits: str) -> int | float:
-    """Read an integer; Python refuses to convert very long ones."""
+    """Read an integer; very long ones become floats, as Python refuses to convert them."""
     return int(digits) if len(digits) <= 400 else float(digits)
 
 
 def _single(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    """Return an object whose fields are each there once."""
+    """Return a JSON object from its pairs; refuse repeated fields."""
     made = dict(pairs)
     if len(made) < len(pairs):
         raise ValueError("a field is there twice")

@@ -19,7 +19,7 @@ FORMAT = "gcm-learn/situation@"
 
 
 class Arm(Protocol):
-    """An arm in its situation."""
+    """Interface of an arm in its situation."""
 
     @property
     def granted(self) -> Tolerances:
@@ -59,7 +59,7 @@ class Arm(Protocol):
         ...
 
     def carried(self, columns: Columns, body: Body, catch: Catch) -> list[Watched]:
-        """Return the movement of a target in the hand, in parts by what does not count."""
+        """Return the movement of a carried target, in parts with the obstacles ignored in each."""
         ...
 
     def missed(self, columns: Columns, body: Body, catch: Catch) -> list[Complaint]:
@@ -98,7 +98,7 @@ def arm_of(situation: Mapping[str, Any], models: Models) -> Arm:
 
 
 def ended(situation: Mapping[str, Any], end: str | None) -> Mapping[str, Any]:
-    """Return a situation of version 2 to 4 as one of version 4 that ends so."""
+    """Return a situation of version 2 to 4 as one of version 4 with another `end`, if given."""
     if end is None:
         return situation
     if checked(situation)[0] < 2:
@@ -107,7 +107,7 @@ def ended(situation: Mapping[str, Any], end: str | None) -> Mapping[str, Any]:
 
 
 def checked(situation: Mapping[str, Any]) -> tuple[int, str]:
-    """Return version and kind of arm of a situation that has the form of its format."""
+    """Check a situation against its format; return its version and kind of arm."""
     version, arm = version_of(situation), situation.get("arm")
     kind = arm.get("kind", "planar") if isinstance(arm, Mapping) else "planar"
     if "arm" in situation and not (isinstance(kind, str) and (version, kind) in KINDS):

@@ -73,12 +73,12 @@ def jerk_complaints(limits: Limits, curve: Curve, followed: Curve, first: Array)
 
 
 def _grain(curve: Curve) -> float:
-    """Return what rounding of joints leaves in their differences."""
+    """Return the rounding error of differences between joint values."""
     return ROUNDING * max(1.0, float(np.abs(curve.powers[:, :, 0]).max()))
 
 
 def _leaps(limit: Array, curve: Curve, granted: Tolerances) -> list[Complaint]:
-    """Return complaints about rates that change too much over a piece, however short it is."""
+    """Return complaints about rates that change too much over a piece, even a very short piece."""
     piece = np.arange(len(curve.powers))
     first, last = curve.rates(piece, np.zeros(len(piece))), curve.rates(piece, curve.spans)
     rates = np.concatenate([first, last[-1:]])
@@ -124,7 +124,7 @@ def _when(curve: Curve, over: Array) -> float:
 def hand_complaints(
     limit: float | None, geometry: Geometry, curve: Curve, hand: tuple[int, Array], granted: float
 ) -> list[Complaint]:
-    """Return a complaint about the speed of a point of a joint's frame, if it is too high."""
+    """Return a complaint if the hand, a point of a joint's frame, is too fast."""
     if limit is None:
         return []
     reach = geometry.lengths[geometry.path(hand[0])].sum() + np.linalg.norm(hand[1])
@@ -143,7 +143,7 @@ def hand_complaints(
 def _fastest(
     geometry: Geometry, curve: Curve, hand: tuple[int, Array], most: Array
 ) -> tuple[float | None, float, bool]:
-    """Return a squared speed above the most (n,) of its piece, its time, and if all is decided.
+    """Return a squared speed above `most` (n,) of its piece, its time, and if all is decided.
 
     A chord plus its bow bounds the square: half the square's second derivative is bounded.
     """
@@ -181,7 +181,7 @@ def _square(
 def point_bounds(
     geometry: Geometry, curve: Curve, hand: tuple[int, Array]
 ) -> tuple[tuple[Array, Array, Array], tuple[Array, Array, Array]]:
-    """Return bounds (n,) of three derivatives of a point, and of the angles that turn its frame.
+    """Bound (n,) the first three derivatives of a point, and of the angles that turn its frame.
 
     Rotations turn a vector one after the other.  Its k-th derivative is at most its length times
     the k-th complete Bell polynomial of the sums of the angles' derivatives.

@@ -54,7 +54,7 @@ def _added(steps: Array) -> Array:
 
 
 def _padded(vector: Any) -> Array:
-    """Return a vector of the plane or of space as one of space."""
+    """Return a vector of the plane or of space as a vector (3,), padded with zeros."""
     return np.array([*vector, 0.0, 0.0], dtype=float)[:3]
 
 

@@ -52,7 +52,7 @@ def ball_of(shape: Shape) -> float:
 
 
 def ready(shape: Shape) -> Shape:
-    """Return a shape as the functions here take it."""
+    """Return a shape in the form that the functions of this module need."""
     return SOLIDS[shape["kind"]].ready(shape)
 
 
@@ -82,7 +82,7 @@ def golden_minimum(function: Callable[[Array], Array], count: int) -> Array:
 
 
 def _outside(beyond: Array) -> Array:
-    """Return signed distances (k,) of what exceeds a product of intervals by (k, parts)."""
+    """Return signed distances (k,) to a product of intervals, given the excess (k, parts)."""
     outside = np.sqrt((np.maximum(beyond, 0.0) ** 2).sum(axis=1))
     return outside + np.minimum(beyond.max(axis=1), 0.0)
 
@@ -97,7 +97,7 @@ def _cylinder_points(shape: Shape, p: Array) -> Array:
 
 
 def _by_sections(points: Callable[[Shape, Array], Array]) -> Callable[..., Array]:
-    """Return the distance of segments by golden sections: it is convex along a segment."""
+    """Make a distance of segments from that of points by golden sections, as it is convex."""
 
     def segments(shape: Shape, a: Array, b: Array) -> Array:
         return golden_minimum(lambda s: points(shape, a + s[:, None] * (b - a)), len(a))
@@ -106,7 +106,7 @@ def _by_sections(points: Callable[[Shape, Array], Array]) -> Callable[..., Array
 
 
 def _box_segments(shape: Shape, a: Array, b: Array) -> Array:
-    """Return distances to a box: the slope is linear between the crossings of its six planes."""
+    """Return distances of segments to a box: their slope is linear between the box's six planes."""
     half, d = np.array(shape["half_extents"], dtype=float), b - a
     with np.errstate(all="ignore"):
         cuts = np.concatenate([(half - a) / d, (-half - a) / d], axis=1)
@@ -183,7 +183,7 @@ def _polygon_points(shape: Shape, p: Array) -> Array:
 
 
 def _polygon_segments(shape: Shape, a: Array, b: Array) -> Array:
-    """Return distances to a filled polygon; within it the depth in the middle of each crossing."""
+    """Return distances to a filled polygon; inside, the depth in the middle of each crossing."""
     a, b = a * _FLAT, b * _FLAT
     first, last = (corner[:, None] for corner in _corners(shape))
     wide = np.broadcast_shapes(first.shape, a.shape)

@@ -1,4 +1,4 @@
-"""The form of situations: fields and types, so that what is judged is what was meant."""
+"""Checks of the form of situations: their fields, and the types of these fields."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def is_object(value: Any) -> bool:
 
 
 def list_of(check: Check, count: int | None = None) -> Check:
-    """Return a check of lists whose entries all pass another, of a length if one is given."""
+    """Return a check of non-empty lists whose entries pass `check`, of length `count` if given."""
 
     def checked(value: Any) -> bool:
         fits = isinstance(value, list) and (len(value) == count if count else len(value) > 0)
@@ -58,7 +58,7 @@ def unit_of(count: int) -> Check:
 
 
 def either(*choices: Any) -> Check:
-    """Return a check of strings of which one must be given."""
+    """Return a check that a value is one of the given strings."""
     return lambda value: isinstance(value, str | None) and value in choices
 
 
@@ -68,7 +68,7 @@ def _increasing(value: Any) -> bool:
 
 
 def pair_of_ends(value: Any) -> bool:
-    """Tell if a value is a low end and a high one."""
+    """Return whether a value is a pair of a low end and a high end."""
     return list_of(is_number, 2)(value) and value[0] <= value[1]
 
 
@@ -170,7 +170,7 @@ FOURTH: dict[str, Fields] = {
 
 
 def check_situation(situation: Any, version: int, kind: str) -> None:
-    """Refuse a situation whose fields are not those of its format.
+    """Refuse a situation that does not have the fields of its format, with their types.
 
     Raises
     ------

@@ -22,7 +22,7 @@ PLY = {
 
 
 def _once(read: Callable[[Path], Any]) -> Callable[[Path], Any]:
-    """Return a reader that keeps what it read last, while files do not change."""
+    """Return a reader that caches its latest results, as long as the files do not change."""
     again = lru_cache(maxsize=32)(lambda path, stamp: read(path))
 
     @wraps(read)

@@ -20,7 +20,7 @@ AT_ONCE = 1 << 20
 
 
 def ready(shape: dict[str, Any]) -> dict[str, Any]:
-    """Return a cloud or mesh with its parts in blocks, and the balls that hold these."""
+    """Return a cloud or mesh with its parts in blocks, and a ball around each block."""
     if shape["kind"] == "cloud":
         parts = np.array(shape["points"], dtype=float)[:, None]
     else:

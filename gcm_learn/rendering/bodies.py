@@ -28,7 +28,7 @@ BEFORE = 0.012  # of the reach: from the point of an approach to the target
 def body_faces(
     situation: staging.JointSituation, t: float, alpha: float = 1.0, roles: Sequence[str] = ()
 ) -> Iterator[Faces]:
-    """Yield the bodies at time t [s], or those in some roles, with their approaches.
+    """Yield the faces of all bodies, or of bodies in some roles, at time t [s], with approaches.
 
     The ground is not among them: the stage has a floor there. Margins are about opaque bodies.
     """
@@ -53,7 +53,7 @@ def solid_faces(
     turn: np.ndarray,
     alpha: float = 1.0,
 ) -> Faces:
-    """Return a body at its place (3,), turned by a rotation (3, 3)."""
+    """Return the faces of a body with centre (3,) and rotation (3, 3)."""
     colour, scale = staging.rgb(staging.body_colour(body)), drawn_scale(situation, body)
     most = faces_each(situation)
     return placed(body.shape, centre, turn, colour, alpha, scale, most)  # type: ignore[arg-type]
@@ -71,7 +71,7 @@ def margin_at(body: Body, t: ArrayLike) -> Any:
 
 
 def with_carries(situation: staging.JointSituation, plan: Plan | None) -> staging.JointSituation:
-    """Return a situation for pictures, whose targets go with the hand until they are placed.
+    """Return a situation for pictures, in which carried targets follow the hand until placed.
 
     Their motion is sampled; after that they rest.
     """
@@ -95,7 +95,7 @@ def with_carries(situation: staging.JointSituation, plan: Plan | None) -> stagin
 
 
 def drawn_scale(situation: staging.JointSituation, body: Body) -> float:
-    """Return the factor by which a body is drawn larger than it is, so that it can be seen."""
+    """Return the factor by which a small target is enlarged to be seen; 1 for other bodies."""
     if body.role != "target":
         return 1.0
     return max(1.0, SMALLEST * situation.arm.reach / body.shape.bounding_radius)
@@ -153,7 +153,7 @@ CUBE = np.array([(x, y, z) for x in (-1, 1) for y, z in ((-1, -1), (1, -1), (1, 
 
 
 class TargetWay(NamedTuple):
-    """Cubes about a target on its way until the hand is nearest to it."""
+    """Path of a target until the hand is nearest, as a cube about the target at each instant."""
 
     times: np.ndarray
     """(k,) float: instants from 0 on [s]."""
@@ -255,7 +255,7 @@ def view_of(
 def _share_in_sight(
     view: Camera, reach: float, wanted: Sequence[Faces], others: Sequence[Faces]
 ) -> float:
-    """Return the share of what is wanted in a picture that others leave in sight."""
+    """Return the share of the wanted things' pixels that the other things do not hide."""
     red, blue = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])
     marked = [thing._replace(colours=red, lit=False) for thing in wanted]
     hiding = [thing._replace(colours=blue, lit=False) for thing in others]
@@ -286,7 +286,7 @@ class Spectator:
         self.floor = staging.floor_of(situation, things)
 
     def picture(self, way: Movement, pixels: int) -> np.ndarray:
-        """Return a picture (pixels, pixels, 3) uint8 of the end of a movement, with its paths."""
+        """Return a picture (pixels, pixels, 3) uint8 of a movement's end, with the paths."""
         situation, end = self.situation, way.duration
         things = [*body_faces(situation, end), *arm_faces(situation.arm, way.joints[-1])]
         if end > 0.0:

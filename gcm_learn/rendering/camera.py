@@ -1,6 +1,6 @@
-"""A camera before a scene in space, and the image that its faces become.
+"""Camera for scenes in space, and rendering of a scene's faces as an image.
 
-All faces are quadrilaterals, some with two corners in one place: so a scene is one array.
+All faces are quadrilaterals, some with two equal corners, so that a scene is one array.
 """
 
 from __future__ import annotations
@@ -67,14 +67,14 @@ FOG = 0.5  # share of white in what is farthest away
 
 @dataclass(frozen=True)
 class Camera:
-    """Parallel projection, or one with an eye at a distance.
+    """Camera with a parallel projection, or a perspective projection from an eye at a distance.
 
     Parameters
     ----------
     right, up, nearer : (3,) ndarray
         Orthonormal: the picture's axes and the direction to the viewer, in the world frame.
     centre : (3,) ndarray
-        What is in the middle of the picture and shown in its size.
+        Point in the middle of the picture; things at its depth are shown in their size.
     distance : float
         From the eye to the centre; infinite for a parallel projection.
     """
@@ -117,7 +117,7 @@ def camera_from(
 
 
 class Faces(NamedTuple):
-    """Faces of one thing, ready to be painted."""
+    """Faces of one thing, with the colours, normals and flags for rendering."""
 
     corners: np.ndarray
     """(n, 4, 3) float: in the world, counter-clockwise when seen from outside."""
@@ -135,14 +135,14 @@ class Faces(NamedTuple):
 
 
 class Window(NamedTuple):
-    """A square part of what a camera sees."""
+    """A square part of a camera's picture."""
 
     middle: np.ndarray  # (2,) in the picture's coordinates
     half: float
 
     @property
     def reach(self) -> float:
-        """Farthest side from where the camera looks."""
+        """Distance from the picture's origin, where the camera looks, to the farthest side."""
         return float(np.abs(self.middle).max()) + self.half
 
     @property
@@ -153,7 +153,7 @@ class Window(NamedTuple):
 
 
 def render(view: Camera, window: Window, things: Sequence[Faces], pixels: int) -> np.ndarray:
-    """Return an image (pixels, pixels, 3) of things, its first row at the bottom.
+    """Render things as an image (pixels, pixels, 3), with the first row at the bottom.
 
     All faces of one alpha below 1 form a pane of glass, in which nearer faces hide the others.
     Panes lie over each other in the order of alpha.
@@ -183,7 +183,7 @@ def render(view: Camera, window: Window, things: Sequence[Faces], pixels: int) -
 def _triangles(
     view: Camera, window: Window, thing: Faces, size: int
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Corners in pixels (m, 3, 3) and their colours (m, 3, 3) of what is in sight."""
+    """Return corners in pixels (m, 3, 3) and colours (m, 3, 3) of the triangles in sight."""
     with np.errstate(divide="ignore"):
         seen = view.see(thing.corners)
     away = _winding(seen[..., :2]) < 0.0
@@ -238,7 +238,7 @@ def _outline(image: np.ndarray, depth: np.ndarray, behind: np.ndarray | None, sc
 
 
 def normals(corners: np.ndarray) -> np.ndarray:
-    """Unit normals (n, 3) of quadrilaterals (n, 4, 3) two of whose corners may coincide."""
+    """Return unit normals (n, 3) of quadrilaterals (n, 4, 3), which may have two equal corners."""
     cross = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
     size = np.linalg.norm(cross, axis=1, keepdims=True)
     unit: np.ndarray = np.where(size > 0.0, cross / np.maximum(size, 1e-300), (0.0, 0.0, 1.0))

@@ -30,7 +30,7 @@ class Shell(NamedTuple):
 
 @lru_cache(maxsize=256)
 def shell(shape: SpaceShape, most: int = FACES) -> Shell:
-    """Return faces that enclose a solid at any distance from it.
+    """Return faces about a solid, with directions in which to offset them to any distance.
 
     Of a cloud of many points some are left out; of a mesh of many triangles vertices are joined.
 
@@ -45,13 +45,13 @@ def shell(shape: SpaceShape, most: int = FACES) -> Shell:
 
 @lru_cache(maxsize=256)
 def balls(cloud: Cloud, most: int = FACES) -> Shell:
-    """Return the balls of a cloud, or of some of its points if these are too many."""
+    """Return the balls about a cloud's points, or about some points if there are too many."""
     return _swept(thinned(cloud, most // FEWEST)[:, None], cloud.radius, most)
 
 
 @lru_cache(maxsize=256)
 def thinned(cloud: Cloud, most: int) -> np.ndarray:
-    """Return at most so many points (n, 3) of a cloud, evenly in space: one of each cube."""
+    """Return at most `most` points (n, 3) of a cloud, evenly in space: one point of each cube."""
     points = cloud.points - cloud.points.min(axis=0)
     chosen, edge = np.arange(len(points)), max(float(points.max()), cloud.radius) / CUBES
     while len(chosen) > most:

@@ -80,7 +80,7 @@ def placed(
     shape: SpaceShape, centre: np.ndarray, turn: np.ndarray, colour: np.ndarray,
     alpha: float = 1.0, scale: float = 1.0, most: int = FACES,
 ) -> Faces:  # fmt: skip
-    """Return a solid at its place (3,), turned by a rotation (3, 3), in a colour (3,)."""
+    """Return the faces of a solid with centre (3,), rotation (3, 3) and colour (3,)."""
     corners, normal = _mesh(shape, most)
     return Faces(
         centre + scale * corners @ turn.T, colour, alpha,
@@ -89,7 +89,7 @@ def placed(
 
 
 def frame_along(z: np.ndarray) -> np.ndarray:
-    """Return a rotation (3, 3) whose third column is a unit vector."""
+    """Return a rotation (3, 3) whose third column is the unit vector z."""
     x = np.cross(np.eye(3)[np.abs(z).argmin()], z)
     x /= np.linalg.norm(x)
     return np.column_stack([x, np.cross(z, x), z])
@@ -174,7 +174,7 @@ TOUCH = 1e-6  # of the reach: ends of links so close together are a joint
 
 
 class Limb(NamedTuple):
-    """Capsules of an arm at one or more postures, with the hand and the place of the base."""
+    """Capsules of an arm at k postures, with the places of the hand and the base."""
 
     ends: np.ndarray
     """(k, m, 2, 3) float: both ends of every link's axis."""
@@ -197,7 +197,7 @@ class Ball(NamedTuple):
 
 
 def limb_along(arm: Any, joints: ArrayLike) -> Limb:
-    """Return the limb of an arm that moves in its joints, at postures (k, n), in the world."""
+    """Return the capsules of an arm at joint postures (k, n), in the world."""
     ends, radii = links_along(arm, joints)
     drawn = np.maximum(radii, THINNEST * arm.reach)
     return Limb(ends, drawn, hands_along(arm, joints)[0], np.asarray(arm.base.origin))
@@ -229,7 +229,7 @@ def limb_faces(limb: Limb, alpha: float = 1.0) -> list[Faces]:
 
 
 def bone_pose(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, float]:
-    """Return the turn (3, 3) of a capsule whose axis ends at two points, and half its length."""
+    """Return rotation (3, 3) and half the length of a capsule with an axis from a to b."""
     length = float(np.linalg.norm(b - a))
     return (frame_along((b - a) / length) if length > 0.0 else np.eye(3)), length / 2
 

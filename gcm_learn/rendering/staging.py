@@ -170,7 +170,7 @@ def staged(
 def ground_faces(
     centre: np.ndarray, floor: float, size: float, things: Sequence[Faces]
 ) -> Iterator[Faces]:
-    """Yield a floor, a grid on it and shadows of what is above it, lit from the zenith."""
+    """Yield a floor, its grid, and the shadows of things above the floor, lit from the zenith."""
     step = 10.0 ** np.floor(np.log10(size))
     step *= 0.5 if size / step < 3.0 else 1.0
     middle = np.append(np.round(centre[:2] / step) * step, floor)

@@ -74,13 +74,13 @@ def no_bodies() -> Bodies:
 
 @njit(_nrt=False, forceinline=True)
 def of_row(bodies, b, p, column):
-    """Return a number of body b, which has one quadratic law."""
+    """Return the number in a column of body b, a body of one quadratic law; p is not used."""
     return bodies.rows[b, column]
 
 
 @njit(_nrt=False, forceinline=True)
 def of_piece(bodies, b, p, column):
-    """Return a number of piece p of body b."""
+    """Return the number in a column of piece p of body b."""
     return bodies.angles[int(bodies.rows[b, SWING]), PIECE_ROWS * p + column // 2, column % 2]
 
 
@@ -113,7 +113,7 @@ def _turn(number, bodies, b, p, t, out):
 
 @njit(_nrt=False)
 def rotate(bodies, b, t, out):
-    """Write the rotation of body b at time t [s], which has one quadratic law, into out[b, 3:]."""
+    """Write the rotation at time t [s] of body b, of one quadratic law, into out[b, 3:]."""
     _turn(of_row, bodies, b, 0, t, out)
 
 
@@ -215,9 +215,9 @@ def _swing_pose(bodies, b, t, out):
 
 @njit(_nrt=False, forceinline=True)
 def glide(bodies, b, t, poses):
-    """Centre (3) at time t [s] of body b, which has one quadratic law.
+    """Return the centre (3) at time t [s] of body b, of one quadratic law.
 
-    It writes no poses: it is called as `swing` is, from loops that are there for either.
+    `poses` is not written: it gives the signature of `swing`, for loops that call either.
     """
     rows, half = bodies.rows, 0.5 * t * t
     return (
@@ -229,14 +229,14 @@ def glide(bodies, b, t, poses):
 
 @njit(_nrt=False)
 def swing(bodies, b, t, poses):
-    """Centre (3) at time t [s] of a body b of any other law; its pose is left in `poses`."""
+    """Return the centre (3) at t [s] of body b, of any other law; write its pose into `poses`."""
     _swing_pose(bodies, b, t, poses)
     return poses[b, 0], poses[b, 1], poses[b, 2]
 
 
 @njit(_nrt=False, forceinline=True)
 def centre_at(bodies, b, t, out):
-    """Write body b's centre at time t [s] into out[b, :3]; if not quadratic, its whole pose.
+    """Write body b's centre at time t [s] into out[b, :3]; for non-quadratic laws its whole pose.
 
     Returns whether `rotate` has still to write the rest of its pose.
     """

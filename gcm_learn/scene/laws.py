@@ -1,4 +1,4 @@
-"""Motion laws in arrays and in time: one entry for each law."""
+"""Motion laws: their packing into arrays and their continuation from a later time."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ STEPS_PER_PERIOD = 2000  # Hermite error about (2 pi / 2000)^4 / 384, i.e. 3e-13
 def swing_tables(
     swings: list[Pendulum], horizon: float, least: int = 64
 ) -> tuple[float, np.ndarray]:
-    """Integrate every pendulum on one time grid of at least so many entries.
+    """Integrate every pendulum on one time grid of at least `least` entries.
 
     Returns
     -------
@@ -82,7 +82,7 @@ Tables = list[Any]
 
 
 class WorldFrame(NamedTuple):
-    """The arm's coordinates in the world."""
+    """Transformation from the world's coordinates to the arm's."""
 
     turn: np.ndarray | None  # (3, 3) world -> arm; None where it is not turned
     origin: list[float]  # (3,) in the world
@@ -194,7 +194,7 @@ def _solid_later(motion: SolidQuadratic, t: float) -> SolidQuadratic:
 
 
 def _swing_later(motion: Pendulum, t: float) -> Pendulum:
-    """Return the pendulum at t, its angle integrated as finely as where bodies are packed."""
+    """Return the pendulum from t on; its angle is integrated as finely as in `swing_tables`."""
     if t <= 0.0:
         return motion
     count = max(math.ceil(t * motion.fastest * STEPS_PER_PERIOD / (2.0 * math.pi)), 64) + 1
@@ -272,8 +272,8 @@ def later(
     hand : (2,) tuple of float, optional
         Where the hand of a planar arm is then; by default it has rested.
     joints : (dof,) sequence of float, optional
-        Posture of an arm that moves in its joints then [rad or lengths]; by default it has rested,
-        which only one can that rests at t = 0.
+        Posture then of an arm that moves in its joints [rad or lengths]; by default that of t = 0,
+        which requires an arm that rests there.
     rates : (dof,) sequence of float, optional
         Rates of its joints then [rad/s]; 0 by default.
 
@@ -296,7 +296,7 @@ def later(
 
 
 def bodies_later(bodies: Iterable[Body], t: float) -> tuple[Body, ...]:
-    """Return bodies `t` seconds later, as they go on then."""
+    """Return the bodies with motions that begin `t` seconds later."""
     return tuple(_later(body, t) for body in bodies)
 
 

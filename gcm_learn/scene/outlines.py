@@ -104,5 +104,5 @@ def _convex_hull(points: np.ndarray) -> np.ndarray:
 
 
 def _turn(a: tuple[float, float], b: tuple[float, float], c: tuple[float, float]) -> float:
-    """Twice the area of the triangle a, b, c; positive when it runs counter-clockwise."""
+    """Twice the area of the triangle a, b, c; positive if the corners run counter-clockwise."""
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])

@@ -1,4 +1,4 @@
-"""A situation as the arrays that kernels read, and its packing from records."""
+"""Situations as arrays for kernels, and the packing of records into these arrays."""
 
 from __future__ import annotations
 
@@ -61,8 +61,8 @@ def pack(situation: AnySituation, until: float | None = None) -> Scene:
     ----------
     situation : Situation
     until : float, optional
-        Last moment at which bodies are asked for; by default the horizon, and after it what holds
-        and stops take [s].
+        Last moment at which bodies are asked for; by default the horizon, and after it the time
+        for holds and stops [s].
 
     Returns
     -------
@@ -199,7 +199,7 @@ def pose(situation: AnySituation, index: int, t: float) -> tuple[np.ndarray, np.
 
 @njit
 def _bound_speeds(bodies, horizon):
-    """Fill in the largest speed of any point of each body and its margin during [0, horizon]."""
+    """Fill in bounds on the speed of each body's points and margin during [0, horizon]."""
     rows = bodies.rows
     for b in range(rows.shape[0]):
         if rows[b, k.SWING] < 0.0:

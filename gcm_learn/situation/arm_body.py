@@ -21,7 +21,7 @@ FITS = 0.01
 
 @dataclass(frozen=True)
 class BoneMass:
-    """Mass of a bone, with all that moves with it.
+    """Mass of a bone, with all parts that move with it.
 
     Parameters
     ----------
@@ -115,7 +115,7 @@ class ArmBody:
             positive(motor.torque, f"joints[{k}].torque")
 
     def misfit(self, arm: SpatialArm) -> str:
-        """Say in a sentence why this is not the body of an arm; empty if it is."""
+        """Return a sentence why this body does not fit an arm; empty if it fits."""
         for label, vector_, bone in zip(
             ("upper_arm", "forearm"), (arm.upper_arm, arm.forearm), self.bones, strict=True
         ):
@@ -231,7 +231,7 @@ class ChainBody:
                 raise SituationError(f"frames[{k}].mass", reason)
 
     def misfit(self, arm: Chain) -> str:
-        """Say in a sentence why this is not the body of an arm; empty if it is."""
+        """Return a sentence why this body does not fit an arm; empty if it fits."""
         if len(arm.model.joints) != len(self.joints):
             return f"joints: the arm has {len(arm.model.joints)}, the body has {len(self.joints)}"
         for k, (line, motor) in enumerate(zip(arm.model.lines, self.joints, strict=True)):
@@ -245,7 +245,7 @@ AnyArmBody = ArmBody | ChainBody
 
 
 class _Layout(NamedTuple):
-    """Record of a format, and the records in its lists."""
+    """Record type of a format, and the record types in its lists."""
 
     record: type[Any]
     parts: dict[str, type[Any]]
@@ -262,7 +262,7 @@ _LAYOUTS = {
 
 
 def read_arm_body(path: str | Path) -> AnyArmBody:
-    """Read a file of one body.
+    """Read the body of an arm from a file.
 
     Raises
     ------
@@ -295,5 +295,5 @@ def arm_body_from_json(obj: object) -> AnyArmBody:
 
 
 def arm_body_to_json(body: AnyArmBody) -> dict[str, Any]:
-    """Return the JSON object of a body; `arm_body_from_json` gives back an equal one."""
+    """Return a body as a JSON object; `arm_body_from_json` restores an equal body."""
     return {"format": body.format, **json_records.members_of(body)}

@@ -26,7 +26,7 @@ NEW: dict[type, tuple[str, ...]] = {
 
 
 def read_arm(path: str | Path) -> arms.ChainModel:
-    """Read a file of one arm.
+    """Read the model of an arm from a file.
 
     Raises
     ------
@@ -131,7 +131,7 @@ def model_from(value: object, path: str, folder: Path) -> arms.ChainModel:
 
 
 def stamp_of(path: Path) -> tuple[int, int]:
-    """Return time of change and size of a file, by which a change of it is noticed."""
+    """Return the time of change and size of a file, which show if the file has changed."""
     try:
         status = path.stat()
     except (OSError, ValueError):
@@ -147,7 +147,7 @@ def _unchanged(path: Path, name: str, stamp: tuple[int, int]) -> arms.ChainModel
 
 @dataclass(frozen=True)
 class Reading:
-    """Format and place of what is read.
+    """Format of the text being read, and the folder of its paths.
 
     Parameters
     ----------
@@ -160,7 +160,7 @@ class Reading:
     folder: Path
 
     def near(self, obj: object) -> object:
-        """Return an object with its unit vectors normalised, where the format allows for it."""
+        """Return an object, with its unit vectors normalised if the format allows that."""
         return json_records.normalised_units(obj) if self.format.normalises else obj
 
 

@@ -1,4 +1,4 @@
-"""Checks of what a situation asks of its arm: start, holds, approaches, end."""
+"""Checks of a situation's demands on its arm: start, holds, approaches, end."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def _check_obstacle(name: str, bodies: Sequence[Body], field: str) -> None:
 
 
 def check_asked(arm: Any, bodies: Sequence[Body], end: str) -> None:
-    """Refuse holds and rest without limits, and targets that ask for what cannot be.
+    """Refuse holds and rest without limits of acceleration, and targets with impossible demands.
 
     Parameters
     ----------
@@ -115,5 +115,5 @@ def without_jerk(arm: Any) -> Any:
 
 
 def with_jerk_of_model(arm: arms.Chain) -> arms.Chain:
-    """Return a chain whose limits of jerk are its model's, if it has any."""
+    """Return a chain with the limits of jerk of its model, if the model has any."""
     return replace(arm, max_joint_jerk=arms.FROM_MODEL, joint_accelerations=None)

@@ -224,7 +224,7 @@ class Body:
 
 
 def _approaches(given: Any) -> tuple[Approach, ...]:
-    """Return the approaches of a target, of which one may be given by itself."""
+    """Return the approaches of a target as a tuple; a single approach may be given alone."""
     if given is None:
         return ()
     alone = not isinstance(given, list | tuple)

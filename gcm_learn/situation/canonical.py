@@ -1,4 +1,4 @@
-"""One frame for situations that differ only by how they are turned or mirrored.
+"""Canonical frame of situations that differ only by a turn or a mirror.
 
 The world of the arm prefers no direction.  A situation that is turned about the shoulder, or
 mirrored with the elbow's side, has the same solutions, turned or mirrored.  The canonical form has
@@ -33,7 +33,7 @@ _SPACE = Plane((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
 
 @dataclass(frozen=True)
 class Frame:
-    """Pose of a situation: mirror the canonical one in its x axis if so, then turn it."""
+    """Pose of a situation: its canonical form, mirrored in the x axis if so, then turned."""
 
     angle: float = 0.0
     """Direction of the hand at t = 0, counter-clockwise [rad]."""
@@ -123,7 +123,7 @@ def _planar_mover(frame: Frame) -> Callable[[Body], Body]:
 
 
 def _mirrored(shape: Shape) -> Shape:
-    """A planar shape mirrored in its own x axis."""
+    """Return a planar shape mirrored in its own x axis."""
     if not isinstance(shape, Polygon):
         return shape
     return Polygon(tuple((x, -y) for x, y in shape.vertices[::-1]))

@@ -88,7 +88,7 @@ def _format(members: dict[str, Any]) -> Format:
 
 
 def _body(obj: object, path: str, reading: Reading, shapes: dict[str, type[Shape]]) -> Body:
-    """Return one entry of `bodies`."""
+    """Return the body of one entry of `bodies`."""
     members = object_from(obj, path)
     check_names(members, path, Body, absent=reading.format.absent["body"])
     place = f"{path}.shape"
@@ -106,7 +106,7 @@ def _body(obj: object, path: str, reading: Reading, shapes: dict[str, type[Shape
 
 
 def _approaches(value: object, path: str, version: Format) -> tuple[Approach, ...]:
-    """Return the approaches of a target: of one object, or a list of one or two."""
+    """Return the approaches of a target from one object, or from a list of one or two objects."""
     absent = tuple(version.absent["approach"])
     if not version.holds or not isinstance(value, list):
         return (record_from(Approach, value, path, absent=absent),)
@@ -128,7 +128,7 @@ def _motion(obj: object, path: str, solid: bool, reading: Reading) -> Motion:
 
 
 def _piecewise(obj: object, path: str, reading: Reading) -> Piecewise:
-    """Return the pieces of a motion, each a quadratic one with a start."""
+    """Return a piecewise motion from its pieces, each a quadratic motion with a start."""
     members = object_from(obj, path)
     check_names(members, path, Piecewise, extra=("kind",))
     pieces = []
@@ -142,7 +142,7 @@ def _piecewise(obj: object, path: str, reading: Reading) -> Piecewise:
 
 
 def situation_to_json(situation: AnySituation) -> dict[str, Any]:
-    """Return the JSON object of a situation; `situation_from_json` gives back an equal one."""
+    """Return a situation as a JSON object; `situation_from_json` restores an equal situation."""
     version = FORMATS[situation.format]
     result: dict[str, Any] = {
         "format": version.name,
@@ -237,7 +237,7 @@ def _read_text(path: str | Path, name: str) -> str:
 
 
 def _read_stdin() -> bytes:
-    """Return all of standard input; a replaced one may be a text stream without a buffer."""
+    """Return all bytes of standard input, even if a text stream without a buffer replaces it."""
     content = getattr(sys.stdin, "buffer", sys.stdin).read()
     return content.encode("utf-8", "surrogateescape") if isinstance(content, str) else content
 
@@ -268,7 +268,7 @@ def _read_one(content: str, name: str, folder: Path, check: Check | None) -> Any
 
 
 def _read_lines(content: str, name: str, folder: Path, check: Check | None) -> list[AnySituation]:
-    """Return the situations of a text that has one on each line, under different names."""
+    """Return the situations of a text with one situation on each line; refuse repeated names."""
     situations: list[AnySituation] = []
     for number, line in _filled_lines(content):
         try:

@@ -1,4 +1,4 @@
-"""JSON text with the lines of its fields; records to JSON objects and back by one table."""
+"""JSON text with line numbers of fields, and conversion of records to JSON objects and back."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class JsonTextError(ValueError):
 
 
 def _integer(digits: str) -> int | float:
-    """Read an integer; Python refuses to convert very long ones."""
+    """Read an integer; very long ones become floats, as Python refuses to convert them."""
     return int(digits) if len(digits) <= _LONGEST_INTEGER else float(digits)
 
 
@@ -78,7 +78,7 @@ def parse(text: str) -> object:
 
 
 def line_of(text: str, field: str) -> int:
-    """Return the line of `text` on which `field` starts, or the nearest field around it.
+    """Return the line of `text` where `field` starts, or else the nearest field around `field`.
 
     Parameters
     ----------
@@ -98,7 +98,7 @@ def line_of(text: str, field: str) -> int:
 
 
 def _members(text: str, start: int) -> Iterator[tuple[str | int, int, int]]:
-    """Yield (key or index, where the member starts, where its value starts)."""
+    """Yield (key or index, start of the member, start of its value) for each member."""
     closing = {"{": "}", "[": "]"}.get(text[start])
     if closing is None:
         return
@@ -123,7 +123,7 @@ def _skip(text: str, position: int) -> int:
 
 
 def read_value(path: Path | Traversable, name: str, make: Callable[[object], Made]) -> Made:
-    """Return what a function makes of the JSON value in a file.
+    """Read the JSON value in a file and return `make` of that value.
 
     Parameters
     ----------
@@ -224,7 +224,7 @@ def record_from(
     extra: Sequence[str] = (),
     absent: Sequence[str] = (),
 ) -> _Record:
-    """Return a record of the members of a JSON object, `extra` aside; it has none of `absent`."""
+    """Return a record from a JSON object's members without `extra`; refuse members in `absent`."""
     members = object_from(obj, path)
     check_names(members, path, record, extra, absent=absent)
     values = {k: v for k, v in members.items() if k not in extra}
@@ -245,7 +245,7 @@ def records_from(
 
 
 def made_from(record: type[_Record], members: dict[str, Any], path: str) -> _Record:
-    """Return the record of members under their names in files; its errors get the full path."""
+    """Return a record from members under their names in files; errors get the full path."""
     names = layout_of(record).attributes
     try:
         return record(**{names[name]: value for name, value in members.items()})
@@ -316,14 +316,14 @@ def check_names(
 
 
 def normalised_units(obj: Any) -> Any:
-    """Return an object whose unit vectors that are nearly of length 1 have been normalised."""
+    """Return an object, with its unit vectors normalised if they are nearly of length 1."""
     if not isinstance(obj, dict) or isinstance(obj, RepeatedField):
         return obj
     return obj | {name: _unit(obj[name]) for name in NORMALISED if name in obj}
 
 
 def _unit(value: Any) -> Any:
-    """Return a vector of length 1 if it is nearly one; records judge all others."""
+    """Normalise a vector of nearly length 1; return other values unchanged, for later checks."""
     if not isinstance(value, list) or not all(
         type(part) in (int, float) and abs(part) <= LARGEST for part in value
     ):
@@ -335,7 +335,7 @@ def _unit(value: Any) -> Any:
 
 
 def members_of(record: Any, absent: Collection[str] = ()) -> dict[str, Any]:
-    """Return the fields of a record as JSON values; those with None, and `absent`, are left out."""
+    """Return a record's fields as JSON values, less `absent`; keep None where files allow null."""
     layout, result = layout_of(type(record)), {}
     for name, field in layout.attributes.items():
         if name in absent:
@@ -364,7 +364,7 @@ def join(path: str, field: str) -> str:
 
 
 def shown(key: object) -> str:
-    """Return a key as errors show it: plain when it looks like a field, else quoted."""
+    """Return a key for error messages: plain if it looks like a field, else quoted."""
     name = str(key)
     plain = name.isascii() and name.isidentifier() and len(name) <= 40
     return name if plain else quote(name)

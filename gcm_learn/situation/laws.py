@@ -21,7 +21,7 @@ _ITS_MIRROR = np.diag([1.0, -1.0, 1.0])  # a body reflected in its own xz-plane
 
 
 class Coordinates(NamedTuple):
-    """Coordinates in which what was at p is at ``turn @ (p - origin)``.
+    """Coordinates that map a point p to ``turn @ (p - origin)``.
 
     A reflection also reflects each body in its own xz-plane, which mirrors all our solids.  Bodies
     are therefore turned only.
@@ -51,7 +51,7 @@ class Coordinates(NamedTuple):
 
 
 def carried(motion: SolidMotion, turn: np.ndarray, origin: np.ndarray) -> SolidMotion:
-    """Return a motion law in other coordinates: what was at p is at ``turn @ (p - origin)``.
+    """Return a motion law in other coordinates, which map p to ``turn @ (p - origin)``.
 
     Parameters
     ----------

@@ -122,7 +122,7 @@ def _situation(version: Format) -> Schema:
 
 
 def _body(version: Format, shapes: Iterable[type]) -> Schema:
-    """Return the schema of a body of one of the shapes."""
+    """Return the schema of a body that has one of `shapes`."""
     flat = shapes is FLAT
     known = [law for law in version.motions if flat == issubclass(law, PlanarQuadratic)]
     given = {
@@ -227,7 +227,7 @@ def _has(name: str, value: str) -> Schema:
 
 
 def _within(name: str, schema: Any) -> Schema:
-    """Return the schema of objects whose field, if there, keeps a schema."""
+    """Return the schema of objects whose field `name`, if present, fits `schema`."""
     return {"properties": {name: schema}}
 
 
@@ -272,7 +272,7 @@ def _field(record: type, field: str, hint: Any) -> Schema:
 
 
 def _value(hint: Any, bounds: Schema) -> Schema:
-    """Return the schema of a type of values whose numbers have bounds."""
+    """Return the schema of values of a type, with bounds for its numbers."""
     if isinstance(hint, types.UnionType):  # optional fields are left out, never null
         hint = next(part for part in typing.get_args(hint) if part is not types.NoneType)
     if typing.get_origin(hint) is tuple:

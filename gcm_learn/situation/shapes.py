@@ -91,7 +91,7 @@ def _surely_convex(vertices: list[Point]) -> bool:
 
 
 def _check_spikes(vertices: list[Point], field: str) -> None:
-    """Refuse an edge that runs back along the one before it."""
+    """Refuse an edge that runs back along the edge before it."""
     for k in range(len(vertices)):
         before, corner, after = vertices[k - 2], vertices[k - 1], vertices[k]
         if orientation(before, corner, after) == 0 and not _between(before, corner, after):
@@ -119,7 +119,7 @@ def _check_crossings(vertices: list[Point], field: str) -> None:
 
 @njit
 def _next_suspects(edges: np.ndarray, order: np.ndarray, i: int, j: int) -> tuple[int, int]:
-    """Next places in `order` after (i, j), i < j, whose edges are not surely apart.
+    """Return the next places in `order` after (i, j), i < j, whose edges may touch.
 
     The order is by smaller x: as soon as one edge begins beyond an earlier one, so do all others.
     Returns (n, n) when there are no more.
@@ -159,7 +159,7 @@ def _meet(vertices: list[Point], first: int, second: int) -> bool:
 
 
 def _check_direction(vertices: list[Point], field: str) -> None:
-    """Refuse a clockwise polygon, given that it is simple: its lowest left corner turns right."""
+    """Refuse a clockwise simple polygon: there the lowest left corner turns right."""
     k = min(range(len(vertices)), key=vertices.__getitem__)
     corner = (vertices[k - 1], vertices[k], vertices[(k + 1) % len(vertices)])
     if orientation(*corner) < 0:

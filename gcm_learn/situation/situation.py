@@ -1,4 +1,4 @@
-"""A situation: one arm and the bodies around it, with everything they will do."""
+"""A situation: one arm, and the bodies around it with all their future motion."""
 
 from __future__ import annotations
 
@@ -129,7 +129,7 @@ class Situation(Generic[ArmKind]):
         check_asked(self.arm, self.bodies, self.end)
 
     def _check_format(self) -> None:
-        """Fill in the format, and refuse one that does not have such an arm or catch."""
+        """Fill in the format, and refuse a format without such an arm, catch or fields."""
         kind, newer = arms.kind_of(self.arm), tuple(self._newer())
         if not self.format:
             checks.put(self, "format", kind.formats[-1 if newer else 0])
@@ -211,7 +211,7 @@ class Situation(Generic[ArmKind]):
 
     @property
     def is_solid(self) -> bool:
-        """True if a planar arm is in a 3D scene, in which its hand meets the cuts of solids."""
+        """True if a planar arm is in a 3D scene, where the hand meets plane sections of solids."""
         return self.plane is not None
 
     @property
@@ -224,7 +224,7 @@ AnySituation = Situation[arms.Arm] | Situation[arms.Chain]
 
 
 def planar(situation: AnySituation, who: str) -> Situation[arms.Arm]:
-    """Return the situation, if its arm is planar.
+    """Return the situation if its arm is planar, else raise an error.
 
     Parameters
     ----------

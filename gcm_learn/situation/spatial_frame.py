@@ -1,4 +1,4 @@
-"""One form for spatial situations that differ only by where the base is, or by a mirror.
+"""Canonical form of spatial situations that differ only by the base's pose or by a mirror.
 
 A mirror in the xz-plane of the base makes a left arm of a right one.  It reverses the sense of
 rotations about x and z, and keeps that of rotations about y.  So the first joint stays, and the
@@ -58,7 +58,7 @@ _TURNS = np.array([1.0, -1.0, -1.0, -1.0])  # of joint angles
 
 @dataclass(frozen=True)
 class SpatialFrame:
-    """Pose of a situation: mirror the canonical one in its xz-plane if so, then put it there."""
+    """Pose of a situation: its canonical form, mirrored in the xz-plane if so, then moved."""
 
     base: Base = IDENTITY
     """Pose of the shoulder in the world."""
@@ -100,7 +100,7 @@ def spatial_frame_of(situation: Situation[SpatialArm]) -> SpatialFrame:
 
 
 def _sides_of_arm(arm: SpatialArm, small: float) -> Iterator[tuple[float, float]]:
-    """Yield numbers that a mirror negates, and what of them is nothing."""
+    """Yield each number of the arm that a mirror negates, and the size up to which it is 0."""
     yield from ((low + high, NOTHING) for low, high in arm.joint_range[1:])
     yield from ((bone[1], small) for bone in (arm.upper_arm, arm.forearm))
     for start in (arm.joints, arm.joint_rates, arm.joint_accelerations):
@@ -121,7 +121,7 @@ def _sides_of_bodies(
 def canonical_in_space(
     situation: Situation[SpatialArm],
 ) -> tuple[Situation[SpatialArm], SpatialFrame]:
-    """The situation in its canonical form, and how it lay; see `canonical`."""
+    """Return the situation in its canonical form, and its frame; see `canonical`."""
     frame = spatial_frame_of(situation)
     arm = _mirrored(situation.arm) if frame.mirrored else situation.arm
     bodies = tuple(_in_base(situation, mirrored=frame.mirrored))
@@ -129,14 +129,14 @@ def canonical_in_space(
 
 
 def canonical_on_base(situation: Situation[Chain]) -> tuple[Situation[Chain], SpatialFrame]:
-    """Return the situation with its chain's base at the origin, and the base."""
+    """Return the situation with its chain's base at the origin, and the frame of that base."""
     bodies = tuple(_in_base(situation, mirrored=False))
     arm = replace(situation.arm, base=IDENTITY)
     return replace(situation, arm=arm, bodies=bodies), SpatialFrame(situation.arm.base)
 
 
 def _in_base(situation: Situation[Chain], *, mirrored: bool) -> Iterator[Body]:
-    """Yield the bodies in the frame of the base, or as its mirror shows them."""
+    """Yield the bodies in the frame of the base, mirrored in its xz-plane if `mirrored`."""
     rows, origin = arm_frame(situation)
     turn = rows * _MIRROR[:, None] if mirrored else rows
     for body in situation.bodies:
@@ -152,7 +152,7 @@ def _in_base(situation: Situation[Chain], *, mirrored: bool) -> Iterator[Body]:
 
 
 def _mirrored_approach(approach: Approach) -> Approach:
-    """The approach as a mirror shows it, which reflects body and forearm in their xz-planes."""
+    """Return an approach under a mirror that reflects body and forearm in their xz-planes."""
     hand = None if approach.hand is None else _bone(approach.hand)
     return replace(approach, axis=_bone(approach.axis), hand=hand)
 
@@ -162,7 +162,7 @@ def _bone(v: tuple[float, float, float]) -> tuple[float, float, float]:
 
 
 def _mirrored(arm: SpatialArm) -> SpatialArm:
-    """The arm as a mirror in the xz-plane of its base shows it."""
+    """Return the arm mirrored in the xz-plane of its base."""
 
     def turned(q: tuple[float, ...] | None) -> Any:
         return None if q is None else (q[0], 0.0 - q[1], 0.0 - q[2], 0.0 - q[3])

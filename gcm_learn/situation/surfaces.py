@@ -15,7 +15,7 @@ from gcm_learn.errors import SituationError
 
 
 class Surface:
-    """Shape with arrays; equal to another of its class with the same numbers."""
+    """Shape with arrays; two shapes of one class are equal if their numbers are."""
 
     @cached_property
     def _digest(self) -> bytes:
@@ -64,7 +64,7 @@ class Cloud(Surface):
         return Cloud(self.points * _MIRROR, self.radius)
 
     def simplified(self, cell: float) -> tuple[Cloud, float]:
-        """Return a cloud of fewer balls that holds this one.
+        """Return a cloud of fewer balls that contains this cloud.
 
         Parameters
         ----------
@@ -197,7 +197,7 @@ def _within(value: Any) -> bool:
 
 
 def _row(value: Any, field: str, of: type) -> tuple[float, ...]:
-    """Return three numbers or indices; what is wrong is refused by its place."""
+    """Return three numbers or indices; an error names the place of the wrong entry."""
     if of is float:
         return vector(value, field, 3)
     items = sequence(value, field, "3 indices")

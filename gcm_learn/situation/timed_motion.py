@@ -45,7 +45,7 @@ def turned(orientation: Sequence[float], spin: Sequence[float], t: float) -> Qua
 
 
 def spins_between(orientations: np.ndarray, steps: np.ndarray) -> np.ndarray:
-    """Return the constant spins (m - 1, 3) that turn orientations (m, 4) into the next ones.
+    """Return the constant spins (m - 1, 3) that turn each of the orientations (m, 4) into the next.
 
     They turn the short way, within `steps` (m - 1,) [s].
     """
@@ -249,7 +249,7 @@ class Sampled:
 
     @cached_property
     def arrays(self) -> PieceArrays:
-        """Return the motion as pieces of constant velocity and spin; the last one rests."""
+        """Return the motion as pieces of constant velocity and spin; the last piece rests."""
         start, position, turns = (np.array(x) for x in (self.times, self.positions, self.turns))
         steps, rest = np.diff(start), np.zeros((1, 3))
         velocity = np.vstack([np.diff(position, axis=0) / steps[:, None], rest])

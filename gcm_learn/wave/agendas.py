@@ -1,4 +1,4 @@
-"""Agenda of layered marching: a queue of cells by time, and batches that come out of it.
+"""Agenda of layered marching: a queue of cells by time, and batches taken from the queue.
 
 Entries are of two kinds: a front comes to a cell (`ARRIVE`), or a cell is free again (`REOPEN`).
 Lengths are in cells, times in crossings of a cell.
@@ -46,7 +46,7 @@ class Agenda(NamedTuple):
 
 
 class CheckedCells(NamedTuple):
-    """Cells that are checked together; what they may become."""
+    """Batch of cells that are checked together, as candidates for new states."""
 
     places: np.ndarray  # in the padded lattice
     cells: np.ndarray  # without padding
@@ -60,7 +60,7 @@ class CheckedCells(NamedTuple):
 
 @njit(_nrt=False)
 def push(k, time, kind, bucket, agenda):
-    """Put cell k into the bucket of a time, not before the one being worked on."""
+    """Queue cell k in the bucket of `time`, or in the current one, `bucket`, if that is later."""
     # One turn of the buckets is all that the queue can tell apart: later visits ask again.
     ahead = min(max(int(time * PER_CELL), bucket), bucket + BUCKETS - 1)
     if left_in(agenda.queue) > 0:
@@ -91,7 +91,7 @@ def way_in(k, time, plane, sheets):
 
 @njit(_nrt=False)
 def keep(i, to, batch):
-    """Move an entry of a batch to a place before it."""
+    """Copy entry i of a batch to place `to`, which is not after i."""
     batch.places[to], batch.cells[to], batch.start[to] = (
         batch.places[i], batch.cells[i], batch.start[i],
     )  # fmt: skip
@@ -131,7 +131,7 @@ def keep_free(count, room, batch):
 
 @njit(_nrt=False)
 def seed(plane, agenda):
-    """Reach the cells around the hand straight from it."""
+    """Queue the cells around the hand, with arrivals straight from the hand."""
     n, hand_i, hand_j = plane.n, plane.hand_i, plane.hand_j
     reach = int(START_RADIUS) + 1
     for i in range(max(int(hand_i) - reach, 1), min(int(hand_i) + reach + 2, n + 1)):
@@ -191,7 +191,7 @@ def pop(bucket, plane, terms, agenda, sheets, batch):
 
 @njit(_nrt=False)
 def put_off(count, bucket, postures, terms, agenda, batch):
-    """Put cells that `which` names into the queue again, for the time at which they are free.
+    """Queue the cells marked in `which` again, for the time at which they are free.
 
     The time is after `until`; a cell that stays blocked to its limit is never entered again.
     """

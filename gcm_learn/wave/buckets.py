@@ -1,4 +1,4 @@
-"""A queue by time: items in buckets, of which the last one that was put in comes out first."""
+"""Queue by time: items in buckets; the last item put into a bucket comes out first."""
 
 from __future__ import annotations
 

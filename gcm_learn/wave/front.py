@@ -117,7 +117,7 @@ def first_arrivals(
     via: np.ndarray | None = None,
     joints: np.ndarray | None = None,
 ) -> Front:
-    """The front of one sheet.
+    """Make the front of a hand that cannot wait: one sheet of first arrivals.
 
     Parameters
     ----------

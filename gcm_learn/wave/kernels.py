@@ -23,7 +23,7 @@ CLAMPED = np.float32(HAND_POTENTIAL)
 
 
 class WaveLattice(NamedTuple):
-    """The lattice of a wave: its buffer and layout (`wave.stencil`), and how it is run."""
+    """Lattice of a wave: buffer and layout (`wave.stencil`), and the numbers of the run."""
 
     B: np.ndarray
     n: int
@@ -50,7 +50,7 @@ class Terms(NamedTuple):
 
 
 class ReachedCells(NamedTuple):
-    """The cells that are reached together, and what becomes of them."""
+    """Batch of cells that the front reaches together, with the results of their checks."""
 
     cells: np.ndarray
     since: np.ndarray  # when the front was next door
@@ -103,7 +103,7 @@ def prepare(ground, inside, rest_r, rest_z):
 
 @njit(_nrt=False)
 def excite(ground, disc, away):
-    """Excite cells `disc` (m,), `away` (m,) [cells] from the hand; its own comes first, clamped."""
+    """Excite cells `disc` (m,), `away` (m,) [cells] from the hand; clamp the first, the hand's."""
     B, plane = ground.B, ground.plane
     for i in range(disc.size):
         k = entry_of(disc[i], ground)
@@ -133,7 +133,7 @@ def insulate(B, k, W, plane, points):
 
 @njit(forceinline=True)
 def hold(B, k, plane):
-    """Stop a cell's dynamics and leave its potential to be seen (Eq. 10 with q = 0)."""
+    """Stop a cell's dynamics; the neighbours still see its potential (Eq. 10 with q = 0)."""
     B[k + plane] = B[k]
     B[k + 3 * plane] = 0.0
 
@@ -294,7 +294,7 @@ def arrivals(ground, watch, watched, tau, batch):
 
 @njit
 def judge(postures, terms, batch, count, now, state):
-    """Decide what becomes of the cells that the front has just reached (Eq. 11).
+    """Mark the cells just reached: FROZEN where an obstacle touches, CONTACT at a target (Eq. 11).
 
     A cell freezes when its limb is touched at any instant from the front's arrival next door
     (`since`) until now.  This covers the time between two looks and, with the gap, the space
@@ -328,7 +328,7 @@ def judge(postures, terms, batch, count, now, state):
 
 @njit
 def freeze(ground, batch, count, state):
-    """Take the frozen and contacted ones among the cells just found out of the dynamics."""
+    """Take the batch's frozen and contacted cells out of the dynamics."""
     for i in range(count):
         m = batch.cells[i]
         if state[m] == FREE:

@@ -1,4 +1,4 @@
-"""Engines by the kind of arm: the only file of this folder that asks which kind it has."""
+"""Engines by the kind of arm; no other file of this folder branches on the kind."""
 
 from __future__ import annotations
 

@@ -57,10 +57,10 @@ def waits_in(k, time, sheets):
 
 @njit(_nrt=False, forceinline=True)
 def bend(s, k, q, di, dj, plane, sheets):
-    """Compute when the front of state s in cell k is in q = k + (di, dj), going round a cell.
+    """Compute the arrival in q = k + (di, dj) of the front of state s in cell k, bent round a cell.
 
-    Returns the time and the state that it goes round: this state, or an earlier one beside it.  If
-    q is reached across a corner only, which is too narrow, they are (NEVER, -1).
+    Returns the time and the state that it is bent round: s, or an earlier state beside s.  Returns
+    (NEVER, -1) if q is reached across a corner only, which is too narrow.
     """
     n, latest, spans = plane.n, sheets.latest, sheets.spans
     W, now = n + 2, spans[s, agendas.ARRIVAL]
@@ -206,7 +206,7 @@ def march_layers(plane, terms, postures, sheets, refused):
 
     Parameters
     ----------
-    plane, terms, postures : Plane, Terms, Postures
+    plane, terms, postures : PlaneLattice, Terms, Postures
         Times of the terms are in crossings; `explore` reaches also what is of no use any more for
         meeting a target.
     sheets : Sheets

@@ -77,16 +77,16 @@ def away_from(source, i, j, plane):
 
 @njit(_nrt=False, forceinline=True)
 def push(k, time, bucket, agenda):
-    """Put cell k into the bucket of a time, not before the one being worked on."""
+    """Queue cell k in the bucket of `time`, or in the current one, `bucket`, if that is later."""
     put(k, max(int(time * PER_CELL), bucket) & (BUCKETS - 1), agenda.queue)
 
 
 @njit(_nrt=False, forceinline=True)
 def bend(k, q, di, dj, plane, agenda):
-    """Compute when the front of cell k is in its neighbour q = k + (di, dj), going round a cell.
+    """Compute the arrival in q = k + (di, dj) of the front of cell k, bent round a cell.
 
-    Returns the time and the cell that it goes round: this cell, or one beside it.  If q is reached
-    across a corner only, where nothing squeezes through, they are (0, -1).
+    Returns the time and the cell that it is bent round: k, or a cell beside k.  Returns (0, -1) if
+    q is reached across a corner only, where nothing squeezes through.
     """
     n, tent, status = plane.n, agenda.tent, agenda.status
     W = n + 2
@@ -126,9 +126,9 @@ def expand(batch, count, state, plane, agenda, bucket):  # noqa: C901  one decis
 
     Parameters
     ----------
-    batch, count : Batch, int
+    batch, count : ReachedCells, int
         Cells; those that `state` (n * n,) calls frozen are passed over.
-    plane, agenda : Plane, MarchingState
+    plane, agenda : PlaneLattice, MarchingState
     bucket : int
         The bucket being worked on; nothing is put into an earlier one.
     """
@@ -257,7 +257,7 @@ def pop(bucket, plane, terms, agenda, batch):
 
 @njit(_nrt=False, forceinline=True)
 def close(batch, count, state, agenda, arrival):
-    """Write down the arrivals of accepted cells and close the frozen ones."""
+    """Record the arrivals of the accepted cells; close frozen and contacted cells."""
     for f in range(count):
         arrival[batch.cells[f]] = batch.when[f]
         if state[batch.cells[f]] != FREE:
@@ -284,7 +284,7 @@ def march(plane, terms, postures, state):
 
     Parameters
     ----------
-    plane, terms, postures : Plane, Terms, Postures
+    plane, terms, postures : PlaneLattice, Terms, Postures
         Times of the terms are in crossings.
     state : (n * n,) uint8 ndarray
         Filled with FREE, FROZEN or CONTACT.

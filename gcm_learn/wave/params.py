@@ -17,7 +17,7 @@ CHESSBOARD = {5: ("8", 8.0), 9: ("16/3", 16.0 / 3.0)}
 
 @dataclass(frozen=True)
 class WaveParams:
-    """Numbers that fix the wave; the defaults are the paper's where it gives them."""
+    """Parameters of the wave; the defaults are the paper's where the paper gives them."""
 
     n: int = 80
     """Cells along a side of the lattice (Sect. 2.3.2)."""
@@ -96,7 +96,7 @@ class WaveParams:
 
 @dataclass(frozen=True)
 class MarchingParams:
-    """Numbers that fix causal marching.
+    """Parameters of causal marching.
 
     A spatial arm's moves count as blocked once 2 million distances have been computed for a map.
     Crowded scenes take a tenth of that; a body that spins at 1e5 rad/s would take minutes.

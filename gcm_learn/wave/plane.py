@@ -1,6 +1,6 @@
-"""The planar lattice as marching reads it: padded by one cell all round, lengths in cells.
+"""Planar lattice for marching: padded by one cell all round, lengths in cells.
 
-Times are in crossings: what the front needs for one cell.
+Times are in crossings: the time that the front needs for one cell.
 """
 
 from __future__ import annotations

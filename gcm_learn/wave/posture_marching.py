@@ -23,7 +23,7 @@ from gcm_learn.wave.pulled_postures import judge, offer, pull_here, time_of_step
 
 @njit(_nrt=False)
 def retry(ask, field, node, bucket, queue):
-    """Wait for the next front that may come to a node, the last one having been held up."""
+    """Queue a node for the next later front of a neighbour, after the last front failed there."""
     late, nodes, pace = field.arrival[node], ask.nodes, ask.pace
     field.arrival[node] = posture_steps.NEVER
     for code in range(posture_steps.NEIGHBOURS):
@@ -39,7 +39,7 @@ def retry(ask, field, node, bucket, queue):
 
 @njit(_nrt=False)
 def target_at(ask, node, now):
-    """Target in contact with the hand at a node at some time, -1 without one."""
+    """Return the target in contact with the hand at a node at time `now` [s]; -1 if none."""
     scene, poses, contact = ask.scene, ask.desk.poses, ask.terms.grasp
     rows = scene.bodies.rows
     if now < ask.terms.ignore:
@@ -110,7 +110,7 @@ def march(ask, start, field):
     ask : Ask
     start : (k,) ndarray
         Nodes that are reached straight from the arm's posture at t = 0.
-    field : Field
+    field : NodeArrivals
         Its arrivals are NEVER where the front never came.
 
     Returns
@@ -148,7 +148,7 @@ def march(ask, start, field):
 
 @njit(_nrt=False)
 def finish(ask, field, via):
-    """Mark nodes where the front never came, and write where it came from into via (nodes,)."""
+    """Mark nodes left OPEN as unreached or FROZEN; write the others' sources into via (nodes,)."""
     for node in range(via.size):
         via[node] = -1
         if field.state[node] == posture_steps.OPEN:

@@ -38,7 +38,7 @@ class NodeArrivals(NamedTuple):
 
 
 class Ask(NamedTuple):
-    """A scene, a lattice and the terms of marching over it."""
+    """Scene, lattice and terms of one march in space, with working arrays."""
 
     scene: Scene
     nodes: Nodes
@@ -86,5 +86,5 @@ def before(nodes, pace, node, code):
 
 @njit(_nrt=False)
 def home_of(nodes, pace, node, code):
-    """`before` of a step that was made, so that it is in the lattice."""
+    """Node that a step already made comes from: `before` without the check of the border."""
     return -1 if code == START else node - pace.ahead[code]

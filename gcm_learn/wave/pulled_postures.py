@@ -1,9 +1,9 @@
 """Postures that a front finds on its way.
 
-A cell has the posture of the cell that the front came from, pulled to the place of this one.  Of
-all turns of the joints that bring the hand there it is the one of least size, in units of the
-joints' speeds.  A cell that no front has entered yet knows only the step by which one may come, and
-when at the earliest.  Its posture is found when its turn comes; the arrival is then that of the
+A cell gets the posture of the cell that the front came from, pulled until the hand is in this cell.
+Of all turns of the joints that bring the hand there, the least is taken, in units of the joints'
+speeds.  A cell that no front has entered yet has only the step by which a front may come, and its
+earliest arrival.  The posture is found when the cell's turn comes; the arrival is then that of the
 straight move of the joints, which may be later.
 """
 
@@ -60,7 +60,7 @@ def _write_turns(nodes, weights, q, turns):
 
 @njit(_nrt=False)
 def _turn(nodes, q, way):
-    """Turn joints q (dof,) for a way of the hand; a joint at an end of its range is held."""
+    """Turn joints q (dof,) to move the hand by `way` (3); hold joints at an end of their range."""
     limb, held, turns = nodes.limb, nodes.held, nodes.turned
     for j in range(q.size):
         held[j] = nodes.weights[j]
@@ -82,7 +82,7 @@ def _turn(nodes, q, way):
 
 @njit(_nrt=False)
 def _pull(nodes, node, q):
-    """Turn joints q (dof,) until the hand is in a cell, near its centre if it can be.
+    """Turn joints q (dof,) until the hand is in cell `node`, near the cell's centre if possible.
 
     Returns
     -------
@@ -106,9 +106,9 @@ def _pull(nodes, node, q):
 
 @njit(_nrt=False)
 def _pull_from(nodes, home, node):
-    """Write joints by which the hand comes to a cell from another, or from the start, -1.
+    """Pull joints from those of cell `home`, -1 for the start, until the hand is in cell `node`.
 
-    They are in ``nodes.pulled``; returned is what `_pull` returns.
+    The joints are written into ``nodes.pulled``; returns the values of `_pull`.
     """
     limb, q = nodes.limb, nodes.pulled
     for j in range(dof(limb)):
@@ -125,7 +125,7 @@ def _pull_from(nodes, home, node):
 
 @njit(_nrt=False)
 def _arrival_by(ask, field, home, q, hand):
-    """Return when joints q (dof,) can be there from a cell, or from the start, -1 [s]."""
+    """Return the time [s] at which joints q (dof,) are reached from cell `home`, -1: the start."""
     nodes, limb, most = ask.nodes, ask.nodes.limb, 0.0
     if home < 0:
         for j in range(q.size):
@@ -153,7 +153,7 @@ def _keep(nodes, node, code, hand):
 
 @njit(_nrt=False)
 def pull_here(ask, field, node):
-    """Find a cell's posture by the step that leads there, and when it can be there.
+    """Find a cell's posture by the step that leads there; update the cell's arrival.
 
     The arrival never becomes earlier, so that steps are tried in order of time.
 
@@ -177,7 +177,7 @@ def pull_here(ask, field, node):
 
 @njit(_nrt=False)
 def _comes_earlier(ask, field, home, node, code):
-    """Return whether a step leads to a cell earlier than its own posture, which it replaces."""
+    """Replace a cell's posture if a step leads to the cell earlier; return whether it does."""
     nodes = ask.nodes
     x, y, z, there = _pull_from(nodes, home, node)
     if not there:
@@ -192,7 +192,7 @@ def _comes_earlier(ask, field, home, node, code):
 
 @njit(_nrt=False)
 def time_of_step(ask, node, other, code):
-    """Time of a step from a cell to another, as the derivative of its posture has it [s]."""
+    """Estimate the time [s] of a step from `node` to `other`, by the derivative of the posture."""
     nodes, pace = ask.nodes, ask.pace
     cx, cy, cz = hand_of_node(nodes, other)
     u, v, w = cx - nodes.hands[node, 0], cy - nodes.hands[node, 1], cz - nodes.hands[node, 2]

@@ -1,4 +1,4 @@
-"""The wave of Eq. 10 once more, slow and plain: what tests hold the kernels against.
+"""Slow and plain wave of Eq. 10, the reference for tests of the kernels.
 
 The kernels are float32, step only the blocks of cells near the front, and search a span of time by
 conservative advancement.  Each of these could go wrong without being seen.  Here the whole lattice
@@ -73,7 +73,7 @@ def reaction(r: np.ndarray, z: np.ndarray, epsilon: float) -> tuple[np.ndarray, 
 
 
 def couplings(live: np.ndarray, points: int) -> Couplings:
-    """List which neighbours every cell exchanges with, and how strongly.
+    """List the offsets of the neighbours that cells exchange with, and the weights.
 
     Parameters
     ----------
@@ -115,7 +115,7 @@ def euler_step(
     params : WaveParams
         Epsilon, step and diffusion are used.
     diffusion : float, optional
-        Takes the place of the one in `params`, which refuse what lets the wave fail.
+        Used in place of that in `params`, which refuse values at which the wave fails.
 
     Returns
     -------
@@ -136,7 +136,7 @@ def _neighbour(a: np.ndarray, offset: tuple[int, int]) -> np.ndarray:
 
 
 class _Wave:
-    """The lattice while it is being stepped; arrays are (n, n), mental times in tau."""
+    """State of the lattice during a run; arrays are (n, n), mental times in tau."""
 
     def __init__(self, scene: Scene, lattice: Lattice, params: WaveParams) -> None:
         n, shape = params.n, lattice.shape
@@ -168,7 +168,7 @@ class _Wave:
         return self.params.frozen == "insulating"
 
     def disc(self) -> list[tuple[Cell, float]]:
-        """Cells that are excited at the start, and when; the hand's comes first."""
+        """List the cells excited at the start and their times; the hand's cell comes first."""
         cells, away = start_disc(self.scene, self.lattice, self.params)
         if self.params.start_radius == 0.0:
             return [(self._cell(cells[0]), 0.0)]
@@ -285,7 +285,7 @@ def _limbs(lattice: Lattice) -> np.ndarray:
 
 
 def distances(bodies: Bodies, b: int, limbs: np.ndarray, times: np.ndarray) -> np.ndarray:
-    """Distances of body b to what it can touch of limbs, at each of some times.
+    """Distances of body b to hands (if it is a target) or limbs (if an obstacle), at all `times`.
 
     Parameters
     ----------

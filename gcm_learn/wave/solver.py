@@ -48,7 +48,7 @@ def _propagate(
     ignore: float = 0.0,
     widening: np.ndarray | None = None,
 ) -> Front:
-    """Run the wave with a given kappa, as the measurement of the front's speed needs it."""
+    """Run the wave with a given kappa; also used to measure the front's speed."""
     n, shape = lattice.n, stencil.layout(lattice.n)
     slowness = 1.0 / front_speed(params).fastest if params.start_radius > 0.0 else 0.0
     buffers = _workspace.__dict__.setdefault("buffers", {})
@@ -77,7 +77,7 @@ def _propagate(
 
 
 def hand_cell(lattice: Lattice, hand: tuple[float, float]) -> tuple[int, int]:
-    """Index (iy, ix) of the hand's cell; at a rim, of the nearest one that is in the ring.
+    """Index (iy, ix) of the hand's cell; if it is outside the ring, of the nearest cell inside.
 
     A clamped neuron outside the ring has too few neighbours to start a wave.
     """
@@ -205,7 +205,7 @@ def front_speed(params: WaveParams) -> FrontSpeed:
 
 
 def free_scene(lattice: Lattice, hand: tuple[float, float], horizon: float) -> Scene:
-    """An empty world, and a hand that does one forearm length a second."""
+    """Make a scene without bodies, with a hand speed of one forearm length a second."""
     rho = lattice.upper_arm
     limb = PlanarLimb(rho, 1.0, abs(rho - 1.0), rho + 1.0, 0.0, *hand)
     return Scene(no_bodies(), limb, Limits(1.0, math.inf, math.inf, 0.0, horizon))

@@ -46,7 +46,7 @@ def layout(n: int) -> StencilLayout:
 
 
 def room(n: int) -> np.ndarray:
-    """Make a buffer for a lattice of n x n cells, whose blocks begin on cache lines.
+    """Make the buffer of an n x n lattice, with blocks that begin on cache lines.
 
     Blocks that straddle two cache lines are a tenth slower.
     """

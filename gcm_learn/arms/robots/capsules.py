@@ -1,4 +1,4 @@
-"""Capsules about convex parts, which are cut where one capsule would lie too far beyond them."""
+"""Capsules around convex parts; parts are cut where a single capsule would reach too far out."""
 
 from __future__ import annotations
 
@@ -127,7 +127,7 @@ class Site:
         return np.maximum(gaps(*self._parts, len(self.hulls), still, points, 1e9), 0.0)
 
     def cost(self, capsule: FittedCapsule) -> float:
-        """Return the volume of a capsule beyond the parts, and more where it lies far out."""
+        """Return a capsule's volume beyond its parts, times a factor that grows with overhang."""
         points, areas = capsule.skin(_FEW)
         nodes = (points - self._low) / self._step
         out = map_coordinates(self._field, nodes.T, order=1, mode="nearest", output=float)
@@ -190,7 +190,7 @@ def _divisions(cell: SiteCapsule) -> Iterator[Sides]:
 
 
 def _parted(hulls: Sequence[Hull], second: np.ndarray) -> Sides:
-    """Divide whole parts, each to the capsule that it leaves less; `second` is a first guess."""
+    """Assign each whole part to the capsule that it exceeds less; `second` is a first guess."""
     for _ in range(4):
         both = list(zip(hulls, second, strict=True))
         sides = [h for h, there in both if not there], [h for h, there in both if there]
@@ -205,7 +205,7 @@ def _parted(hulls: Sequence[Hull], second: np.ndarray) -> Sides:
 
 
 def _cut(hull: Hull, way: np.ndarray, offset: float) -> tuple[Hull | None, Hull | None]:
-    """Cut a part by a plane; one with radii goes to the side of its middle as a whole."""
+    """Cut a part by a plane; a part with radii goes whole to the side of its middle."""
     along = hull.centres @ way - offset
     along = np.full_like(along, along.mean()) if hull.radii.any() else along
     if along.max() <= 0.0 or along.min() >= 0.0:
@@ -222,7 +222,7 @@ def _cut(hull: Hull, way: np.ndarray, offset: float) -> tuple[Hull | None, Hull 
 
 
 def _faces(points: np.ndarray) -> np.ndarray | None:
-    """Return faces (f, 3) of the hull of points, flat ones included; None for too few."""
+    """Return triangles (f, 3) of the hull of points, also if flat; None for too few points."""
     try:
         return np.asarray(ConvexHull(points, qhull_options="QJ").simplices)
     except (QhullError, ValueError):
@@ -248,7 +248,7 @@ def _about(start: np.ndarray, end: np.ndarray, balls: np.ndarray) -> FittedCapsu
 
 
 def _tries(balls: np.ndarray) -> Iterator[FittedCapsule]:
-    """Yield capsules along the principal axes of what they hold."""
+    """Yield candidate capsules that hold the balls, along the principal axes of their centres."""
     points, radii = balls[:, :3], balls[:, 3:]
     middle = 0.5 * ((points - radii).min(axis=0) + (points + radii).max(axis=0))
     yield _about(middle, middle, balls)

@@ -46,10 +46,10 @@ class Fitted(NamedTuple):
 def read_robot(
     path: str | Path, packages: Sequence[str | Path] = (), visual: bool = False
 ) -> Robot:
-    """Read a robot from a file; its first element says whether it is URDF or MJCF.
+    """Read a robot from a file; the root element tells URDF from MJCF.
 
-    Packages and models are looked for in folders that are given, too. With `visual` links without
-    collision geometry get that of their looks.
+    Packages and models are also searched in the given folders. With `visual`, links without
+    collision geometry get their visual geometry.
 
     Raises
     ------
@@ -178,7 +178,7 @@ def _listed(
 
 
 def _way(robot: Robot, base: str, tip: str) -> list[RobotJoint]:
-    """Return the joints from one link out to another."""
+    """Return the joints on the path from link `base` out to link `tip`."""
     for what, link in (("base", base), ("tip", tip)):
         if link not in robot.links:
             known = ", ".join(robot.links)
@@ -201,7 +201,7 @@ def _chain_joint(
     placed: Placed, k: int, leader: ChainJoint | None, speed: float | None = None,
     force: float | None = None, jerk: float | None = None,
 ) -> ChainJoint:  # fmt: skip
-    """Return joint k (from 0) of the arm; a follower without limits has those of its leader."""
+    """Return joint k (from 0) of the arm; a follower without limits gets them from its leader."""
     joint, pose, line = placed.joint, placed.pose, placed.follows
     speed = joint.max_speed if speed is None else speed
     bounds = (-FULL_TURN, FULL_TURN) if joint.type == "continuous" else joint.range
@@ -250,7 +250,7 @@ def _solids(robot: Robot, frames: Mapping[str, tuple[int, np.ndarray]]) -> list[
 
 
 def _joined(robot: Robot) -> set[frozenset[str]]:
-    """Return pairs of links, by name, that one joint joins; in MJCF these are bodies.
+    """Return the pairs of link names that one joint joins; in MJCF links are bodies.
 
     Tubes of a telescope, which slide along one line, lie in each other and count as joined.
     """
@@ -283,7 +283,7 @@ def _drives(
 def _masses(
     robot: Robot, frames: Mapping[str, tuple[int, np.ndarray]], count: int
 ) -> tuple[Inertial, ...]:
-    """Return what each frame carries: all links that do not move in it."""
+    """Return the mass that each frame carries, of all links fixed in that frame."""
     parts: list[list[Inertial]] = [[] for _ in range(count + 1)]
     for name, (number, pose) in frames.items():
         inertial = robot.links[name].inertial

@@ -47,7 +47,7 @@ class Clash(NamedTuple):
 
 
 class Freedom(NamedTuple):
-    """Shares of random postures that are free of self-collision, and what costs most of them."""
+    """Shares of random postures without self-collision, and the overlaps that reduce them most."""
 
     parts: float
     capsules: float
@@ -87,7 +87,7 @@ def covered(
 
 
 def _named(site: Site, solids: Sequence[RigidLink]) -> str:
-    """Return the name of the largest link, and how many share its capsules."""
+    """Return the name of a site's largest link, and the number of other links in the site."""
     own = sorted({hull.link for hull in site.hulls})
     first = max(own, key=lambda k: enclosing(all_balls(solids[k].hulls)).volume)
     return solids[first].name + (f" and {len(own) - 1} more" if len(own) > 1 else "")
@@ -117,9 +117,9 @@ def _freedom(cells: DividedCapsules, names: Sequence[str]) -> Freedom:
 
 
 class DividedCapsules:
-    """Capsules of an arm that are divided one by one, and where they overlap; see `meetings`.
+    """Capsules of an arm, divided one by one, and the postures of their overlaps; see `meetings`.
 
-    Those with an overhang above the limit are divided as long as there are fewer than `MOST`.
+    Capsules with an overhang above the limit are divided while there are fewer than `MOST`.
     """
 
     def __init__(self, frames: Frames, meets: Meets, limit: float, each: int) -> None:
@@ -150,7 +150,7 @@ class DividedCapsules:
             self._divide(cell)
 
     def _add(self, new: SiteCapsule) -> None:
-        """Add a capsule, and check it against all others whose parts it can meet."""
+        """Add a capsule, and find its overlaps with all capsules whose parts its parts can meet."""
         for old in self.cells:
             joints = old.site.joint, new.site.joint
             if joints[0] != joints[1] and self._touching(old, new):
@@ -194,7 +194,7 @@ class DividedCapsules:
         return not cell.whole and sum(c.site is cell.site for c in self.cells) < self.each
 
     def _divide(self, cell: SiteCapsule) -> None:
-        """Put two capsules in the place of one, if that is possible."""
+        """Replace a capsule by two, or mark it as whole if it cannot be divided."""
         two = cell.divided()
         cell.whole = two is None
         if two is not None:

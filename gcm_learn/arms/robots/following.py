@@ -1,4 +1,4 @@
-"""Joints of a robot that move with a chain: its own, those that follow them, and their order."""
+"""Joints that move with a robot's chain: the chain's own, their followers, and their order."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ SAME = 1e-9  # difference of values of a leader that are one
 
 
 class Lead(NamedTuple):
-    """Value of a joint by that of its leader: factor q + offset."""
+    """Rule for a joint's value: factor q + offset at the leader's value q."""
 
     leader: str
     """Joint that follows no other; the joint itself if it does not."""
@@ -96,7 +96,7 @@ def arranged(
 
 
 def _place(joint: RobotJoint, follows: Follows | None, made: Arrangement) -> str:
-    """Append a joint; return the link that it moves, which may be its parent."""
+    """Append a joint; return the link that it moves: its child, or else its parent if farther."""
     ahead = joint.parent in made.frames
     known, moved = (joint.parent, joint.child) if ahead else (joint.child, joint.parent)
     frame, pose = made.frames[known]
@@ -109,7 +109,7 @@ def _place(joint: RobotJoint, follows: Follows | None, made: Arrangement) -> str
 def _spread(
     robot: Robot, link: str, moved: set[str], values: Mapping[str, float], frames: Frames
 ) -> list[RobotJoint]:
-    """Put what stands still behind a link on its frame; return the joints that move next."""
+    """Give the links fixed to `link` its frame; return the moving joints that come next."""
     found, reached = [], [link]
     while reached:
         here = reached.pop()

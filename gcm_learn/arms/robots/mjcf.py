@@ -14,7 +14,7 @@ from gcm_learn.errors import MissingExtraError, RobotError
 
 
 def read_mjcf(path: Path, visual: bool = False) -> Robot:
-    """Read a robot from an MJCF file; links are its bodies.
+    """Read a robot from an MJCF file; bodies become links.
 
     Geometry counts if it can touch anything: `contype` or `conaffinity` is not 0, or a `pair` has
     it. With `visual` the geometry of other bodies counts, too. Planes, height fields and bodies
@@ -92,7 +92,7 @@ def _joint_name(model: Any, j: int) -> str:
 
 
 def _held(model: Any, t: int, mujoco: Any) -> list[str]:
-    """Return the joints of a fixed tendon, or those that move the sites of another."""
+    """Return the joints of a fixed tendon, or the joints that move a spatial tendon's sites."""
     first, found = int(model.tendon_adr[t]), []
     for w in range(first, first + int(model.tendon_num[t])):
         j, kind = int(model.wrap_objid[w]), int(model.wrap_type[w])
@@ -110,7 +110,7 @@ def _held(model: Any, t: int, mujoco: Any) -> list[str]:
 def _lead(
     model: Any, e: int, called: str, known: dict[str, RobotJoint], first: str, second: str
 ) -> Tie | None:
-    """Let one joint of an equality follow the other; return the bond if it cannot."""
+    """Let one joint of an equality follow the other; return a Tie if neither can follow."""
     rest = [float(model.qpos0[model.jnt_qposadr[j]]) if j >= 0 else 0.0
             for j in (int(model.eq_obj1id[e]), int(model.eq_obj2id[e]))]  # fmt: skip
     shift, factor, *curved = (float(number) for number in model.eq_data[e, :5])
@@ -140,7 +140,7 @@ def _free(known: dict[str, RobotJoint], follower: str, leader: str) -> bool:
 def _geometry(
     model: Any, b: int, name: str, notes: list[str], mujoco: Any
 ) -> tuple[list[int], list[int]]:
-    """Return the geometry of a body that is only seen, and that can touch; note what is neither."""
+    """Return the indices of a body's visual and colliding geometries; add notes on omissions."""
     root = model.body_rootid[b]
     joints = model.jnt_type[np.isin(model.jnt_bodyid, np.flatnonzero(model.body_rootid == root))]
     if joints.tolist() == [mujoco.mjtJoint.mjJNT_FREE]:
@@ -172,7 +172,7 @@ def _drive(model: Any, j: int, mujoco: Any) -> Drive:
 
 
 def _strongest(model: Any, a: int) -> float | None:
-    """Return the largest torque of an actuator: by its limit, or that of its command."""
+    """Return the largest torque of an actuator, from its limit of force or of its command."""
     gear = abs(float(model.actuator_gear[a, 0]))
     if model.actuator_forcelimited[a]:
         return gear * float(np.abs(model.actuator_forcerange[a]).max())
@@ -186,7 +186,7 @@ def _join(
     model: Any, b: int, names: list[str], links: dict[str, RobotLink],
     joints: list[RobotJoint], mujoco: Any,
 ) -> None:  # fmt: skip
-    """Append the joints of a body: each of MuJoCo's, about its anchor, and fixed ones between."""
+    """Append the joints of a body: each MuJoCo joint about its anchor, then one fixed joint."""
     parent = names[model.body_parentid[b]]
     pose = _pose(model.body_pos[b], model.body_quat[b])
     first, count = int(model.body_jntadr[b]), int(model.body_jntnum[b])

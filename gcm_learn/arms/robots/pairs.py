@@ -86,10 +86,10 @@ class Frames(NamedTuple):
 def meetings(
     solids: Sequence[RigidLink], frames: Frames, joined: Collection[frozenset[str]]
 ) -> tuple[Meets, set[tuple[int, int]]]:
-    """Return pairs whose parts overlap, with the postures (m,), and pairs that are passed over.
+    """Return link pairs that overlap, with flags of the postures (m,), and link pairs to skip.
 
-    These are links that one joint joins, by their names, or whose parts overlap in all postures.
-    Links of one frame are neither.
+    Pairs to skip are those that one joint joins, by name, or that overlap in all postures. Links of
+    one frame are in neither result.
     """
     parts = [packed(solid.hulls) for solid in solids]
     about = [packed([enclosing(all_balls(solid.hulls)).hull]) for solid in solids]

@@ -19,7 +19,7 @@ CORNERS = 24
 
 
 class Hull(NamedTuple):
-    """Convex hull of balls: a part of a link, or what planes leave of it."""
+    """Convex hull of balls: a part of a link, or a piece of a part cut by planes."""
 
     balls: np.ndarray  # (n, 4): centres and radii
     link: int = -1
@@ -53,7 +53,7 @@ def all_balls(hulls: Sequence[Hull]) -> np.ndarray:
 
 
 class Inertial(NamedTuple):
-    """Mass of a rigid body and how it is spread."""
+    """Mass, centre of mass and inertia of a rigid body."""
 
     mass: float
     """[kg]"""
@@ -76,7 +76,7 @@ class Inertial(NamedTuple):
 
 
 def together(parts: Sequence[Inertial]) -> Inertial:
-    """Return the mass of several bodies that are one."""
+    """Return the combined mass, centre and inertia of bodies fixed to each other."""
     mass = sum(part.mass for part in parts)
     if mass == 0.0:
         return Inertial(0.0, np.zeros(3), sum((p.inertia for p in parts), np.zeros((3, 3))))
@@ -163,7 +163,7 @@ class Robot(NamedTuple):
     """Bonds that matter where the chain moves what they hold."""
 
     def remarks(self, chain: Collection[str]) -> Iterator[str]:
-        """Yield lines on what was left out, narrowed of joints on a chain, or may be wrong."""
+        """Yield remarks: omissions, missing geometry, soft limits on `chain`, doubtful units."""
         yield from self.notes
         seen = [link.name for link in self.links.values() if link.looks and not link.hulls]
         if seen:
@@ -181,13 +181,13 @@ class Robot(NamedTuple):
 
 
 def distance(joints: Iterable[RobotJoint]) -> float:
-    """Return the largest distance of a joint from the one before."""
+    """Return the largest distance between a joint and the joint before it."""
     places = (float(np.linalg.norm(joint.origin[:3, 3])) for joint in joints)
     return max((place for place in places if place > CLOSE), default=0.0)
 
 
 def motion(kind: str, axis: Sequence[float], value: float) -> np.ndarray:
-    """Return the pose (4, 4) that a joint's value gives its child; that of a fixed one is none."""
+    """Return the child's pose (4, 4) at a joint's value; the identity for a fixed joint."""
     pose = np.eye(4)
     if kind == "prismatic":
         pose[:3, 3] = np.asarray(axis) * value
@@ -202,7 +202,7 @@ def ball(radius: float) -> Hull:
 
 
 def capsule(radius: float, half: float) -> Hull:
-    """Return a capsule along z, whose axis has twice the length `half`."""
+    """Return a capsule along z with an axis of length 2 `half`."""
     return Hull(np.array([[0.0, 0.0, -half, radius], [0.0, 0.0, half, radius]]))
 
 
@@ -249,7 +249,7 @@ def crossings(points: np.ndarray, pairs: np.ndarray, along: np.ndarray) -> np.nd
 
 
 def mesh(vertices: np.ndarray, faces: np.ndarray, slabs: int = 3) -> list[Hull]:
-    """Return hulls that together hold what a closed triangle mesh encloses.
+    """Return convex hulls that together contain the volume of a closed triangle mesh.
 
     The mesh is cut into slabs of equal thickness across its longest direction. A slab's boundary is
     part of the mesh and two plane sections, so the hull of the mesh's points in it holds it.

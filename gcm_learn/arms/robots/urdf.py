@@ -54,7 +54,7 @@ def _numbers(element: Element | None, name: str, default: str = "") -> list[floa
 
 
 def _number(element: Element | None, name: str) -> float:
-    """Return the number of an attribute, 0 if it is not there."""
+    """Return an attribute as a number, 0 if the attribute is missing."""
     return _numbers(element, name, "0")[0]
 
 
@@ -113,7 +113,7 @@ def _joint(given: Element) -> RobotJoint:
 
 
 def _range(part: Element | None, low: str, high: str) -> tuple[float, float] | None:
-    """Return a range of two attributes, of which one that is missing is 0, as URDF says."""
+    """Return a range of two attributes; a missing one counts as 0 (URDF), two give None."""
     if part is None or part.get(low) is part.get(high) is None:
         return None
     return _number(part, low), _number(part, high)
@@ -164,7 +164,7 @@ def _mesh(where: str, given: Element, find: Callable[[str], Path]) -> list[Hull]
 
 
 def _finder(path: Path, packages: Sequence[Path]) -> Callable[[str], Path]:
-    """Return a function from the name of a mesh in a file to its path.
+    """Return a function that maps the name of a mesh in a file to its path.
 
     ``package://NAME`` and ``model://NAME`` are folders of that name, or whose ``package.xml`` has
     it. Given folders and all below, those above the file and those beside them are searched.

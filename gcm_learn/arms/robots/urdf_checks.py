@@ -1,4 +1,4 @@
-"""Checks of URDF files, so that each fault is refused by the name of its link or joint."""
+"""Checks of URDF files; each error names the link or joint at fault."""
 
 from __future__ import annotations
 
@@ -44,9 +44,9 @@ SHAPES = (*SIZED, "mesh")
 
 
 def check(robot: Element) -> Iterator[str]:
-    """Refuse a robot whose links or joints lack something, or have what is no finite number.
+    """Refuse a robot whose links or joints lack a required part or have a non-finite number.
 
-    Shapes that are nothing are taken out; each is a line that is yielded.
+    Shapes of size 0 are taken out; a line about each is yielded.
 
     Raises
     ------
@@ -70,7 +70,7 @@ def check(robot: Element) -> Iterator[str]:
 
 
 def is_xacro(text: bytes) -> bool:
-    """Return whether a file has to be expanded by xacro; one that names it only has been."""
+    """Return whether a file needs expansion by xacro; a mere mention of xacro does not count."""
     read = re.sub(rb"(?s)<!--.*?-->|<gazebo\b.*?</gazebo>", b"", text)
     return re.search(rb"<xacro:|=\s*[\"'][^\"']*\$[{(]", read) is not None
 
@@ -90,7 +90,7 @@ def _named(robot: Element) -> Iterator[tuple[str, Element]]:
 
 
 def _inside(part: Element) -> Iterator[Element]:
-    """Yield what is read of a link or joint."""
+    """Yield the elements of a link or joint that are read."""
     for child in part:
         if part.tag == "joint" or child.tag in ("inertial", "collision"):
             yield from child.iter()

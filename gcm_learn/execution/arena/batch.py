@@ -19,9 +19,9 @@ from gcm_learn.motion import Movement
 
 
 class Batch(ABC):
-    """Arms that move, catch and touch; nothing of it is drawn at random.
+    """Arms that move together step by step in situations of a pool, without randomness.
 
-    The arrays are renewed in place at every step: copy what is to be kept. One arm is a batch of
+    Every step overwrites the arrays: copy values that are needed later. One arm is a batch of
     one.
 
     Parameters
@@ -122,7 +122,7 @@ class Batch(ABC):
         return tuple(bodies[b].name for b in order.tolist())
 
     def hold(self, arms: np.ndarray) -> None:
-        """Let arms (m,) whose episode is over stay at their places, at little cost."""
+        """Let arms (m,) rest after their episodes, at little cost."""
         self.state.time[arms] = self.pool.horizons[self.state.place[arms]]
 
     def move(self, actions: np.ndarray) -> np.ndarray:
@@ -164,7 +164,7 @@ class Batch(ABC):
 
     @abstractmethod
     def _play(self, actions: np.ndarray, first: int, last: int) -> None:
-        """Make one step of arms first to last - 1; many threads at once may be in it."""
+        """Make one step of arms first to last - 1; several threads may call this at once."""
 
 
 def way_of(arm: Any, time: np.ndarray, posture: np.ndarray) -> Any:

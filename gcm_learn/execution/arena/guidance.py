@@ -1,7 +1,7 @@
-"""A cognitive map as a guide: how long it takes from anywhere to where the front met the target.
+"""Guide from a cognitive map: the time to go from every cell to the contact with the target.
 
 The map makes the situation static: its effective obstacles stand where and when the hand would
-meet the moving ones. In that static picture the way to go is the shortest one around them. So the
+meet the moving ones. In that static picture the way to go is the shortest path around them. So the
 time to go solves the eikonal equation, here by fast sweeping (Zhao, Math. Comp. 74, 2005).
 """
 
@@ -74,7 +74,7 @@ def time_to_go(cognitive_map: CognitiveMap, walls: np.ndarray, speed: float) -> 
 
 @njit
 def sweep(cells, open_cells):
-    """Fill in distances [cells] to those that are 0, by Godunov's scheme, until nothing changes."""
+    """Fill in distances [cells] to cells of value 0, by Godunov's scheme, until nothing changes."""
     n = cells.shape[0]
     for _ in range(_SWEEPS):
         changed = False

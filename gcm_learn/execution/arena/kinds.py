@@ -45,7 +45,7 @@ class Layout(NamedTuple):
 
 
 class AsDrawn:
-    """The frame of a situation that an arena leaves as it was drawn."""
+    """Frame of a situation that the arena does not transform."""
 
     def original(self, points: np.ndarray) -> np.ndarray:
         """Return the points."""
@@ -112,7 +112,7 @@ def _chain_layout(model: ChainModel) -> Layout:
 
 
 def _alike(situations: Sequence[AnySituation]) -> None:
-    """Refuse chains of other sizes than the first one's."""
+    """Refuse branched or coupled chains, and chains with other sizes than the first."""
     first: Any = situations[0].arm
     for situation in situations:
         model = situation.arm.model  # type: ignore[union-attr]
@@ -126,7 +126,7 @@ def _alike(situations: Sequence[AnySituation]) -> None:
 
 
 def sizes_of(model: ChainModel) -> str:
-    """Return the counts of a chain that decide on its observations."""
+    """Return the counts of joints and links that determine the observations of a chain."""
     return f"{model.dof} joints and {len(model.links)} links"
 
 

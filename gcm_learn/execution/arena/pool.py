@@ -56,7 +56,7 @@ def wanted_of(situation: AnySituation, most: int | None = None) -> Wanted:
 
 
 def without(situation: Any, caught: Iterable[Catch]) -> Any:
-    """Return a situation without targets that were caught, of which at least one is left."""
+    """Return a situation without its caught targets; at least one target must be left."""
     names = {catch.body for catch in caught}
     if not names:
         return situation
@@ -138,11 +138,11 @@ class Pool:
 
     @property
     def whole(self) -> Pool:
-        """All of them; a `Reserve` has to draw them."""
+        """Pool of all situations; a `Reserve` has to draw these."""
         return self
 
     def at(self, index: int) -> tuple[Pool, int]:
-        """Return the pool, and the place in it of the situation at an index."""
+        """Return the pool, and the index of a situation in the pool."""
         return self, index
 
     def part(self, chosen: Sequence[int] | np.ndarray) -> Pool:
@@ -182,7 +182,7 @@ def stops(situation: AnySituation, dt: float) -> bool:
 
 
 def _rules_of(scene: Scene, situation: AnySituation) -> Rules:
-    """Return the rules of a scene; refuse one in which the limb touches something at t = 0."""
+    """Return the rules of a scene; refuse a scene whose limb touches something at t = 0."""
     opened = opening(scene)
     if opened.clearance <= 0.0:
         raise ArenaError(f"situation {situation.name!r}: {why_blocked(situation, scene)}")

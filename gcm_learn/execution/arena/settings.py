@@ -26,7 +26,7 @@ FARTHEST = 100.0  # number of an embedding
 
 @cache
 def encoder() -> Encoder:
-    """The one among the models."""
+    """Return the encoder among the models; raise EncoderError if it is missing."""
     from gcm_learn.recall import CONFIG, load_encoder
 
     folder = artifacts.model("encoder", CONFIG)
@@ -106,7 +106,7 @@ class ArenaSettings:
 
     @cached_property
     def model(self) -> ChainModel | None:
-        """Model of the arms, for kinds whose arms differ in their numbers."""
+        """Model of the arms, for kinds with varying numbers of joints and links; else None."""
         return None
 
     @cached_property
@@ -227,7 +227,7 @@ class ChainSettings(SpatialSettings):
 
     @cached_property
     def model(self) -> ChainModel:
-        """Model of the arms, whose joints and links decide how many numbers are observed."""
+        """Model of the arms; its joints and links determine the length of observations."""
         try:
             return read_arm(self.arm) if self.arm.endswith(".json") else shipped_arm(self.arm)
         except GcmError as error:

@@ -1,4 +1,4 @@
-"""Arms with mass side by side, with the observations and rewards of kinematic ones."""
+"""Batches of arms with mass, with the observations and rewards of kinematic arms."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class PhysicalSettings(SpatialSettings):
 
     @property
     def pushed(self) -> bool:
-        """As `ArenaSettings` has it."""
+        """True if actions are torques."""
         return self.control == "torque"
 
     @property
@@ -50,7 +50,7 @@ class PhysicalSettings(SpatialSettings):
         return self.width - self.commands if self.pushed else super().straight
 
     def prepared(self, pool: Pool) -> Pool:
-        """Return the pool, whose arms stop as well as they can; refuse arms without mass."""
+        """Return the pool, whether or not its arms can stop in time; refuse arms without mass."""
         of_one_kind(pool.situations[:1], self.kind)
         if not pool.bodies:
             raise ArenaError("situations: the arms of the pool have no bodies")
@@ -108,7 +108,7 @@ class PhysicalArms(Batch):
             posture[e, :dof], posture[e, dof:] = plant.joints, plant.rates
 
     def _take(self, e: int, s: int) -> PhysicalPlant:
-        """Return the plant of situation s for arm e, whose old one is kept for another arm."""
+        """Return a plant of situation s for arm e; keep the arm's old plant for later use."""
         situation, old = self.pool.situations[s], self.plants.pop(e, None)
         if old is not None:
             self._idle[id(old.situation)] = old
@@ -175,7 +175,7 @@ class PhysicalArms(Batch):
         return plant.outcome
 
     def _tell_torques(self, arms: Iterable[int]) -> None:
-        """Write what motors have to know into the ends of observations, if they are pushed."""
+        """Write holding and servo torques at the ends of observations, if actions are torques."""
         if not self.settings.pushed:
             return
         aim, dof = self.settings.layout.straight, self.settings.commands

@@ -1,4 +1,4 @@
-"""Bodies of arms: a file or one that comes with the package; situations of arms with a body."""
+"""Bodies of arms, from files or from the package; situations of arms with bodies."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def shipped_bodies() -> dict[str, Path]:
 
 
 def read_body(name: str | Path) -> AnyArmBody:
-    """A body by its file, or by the name of one that comes with the package.
+    """Read a body from a file, or by the name of a body that comes with the package.
 
     Raises
     ------
@@ -56,7 +56,7 @@ def _kept(path: Path) -> AnyArmBody:
 
 
 def body_for(arm: Any, given: AnyArmBody | str | Path | None = None) -> AnyArmBody:
-    """The body of an arm.
+    """Return the body of an arm.
 
     Parameters
     ----------
@@ -111,7 +111,7 @@ def _frame_mass(k: int, carried: Inertial) -> FrameMass:
 
 
 def _checked(record: type[Made], path: str, *values: Any) -> Made:
-    """Return a record; an error gets the full path and becomes one of a robot's file."""
+    """Make a record; turn an error in a field into a RobotError with the field's full path."""
     try:
         return record(*values)
     except SituationError as error:

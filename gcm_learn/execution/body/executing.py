@@ -232,7 +232,7 @@ def several_in(situation: Situation[Any]) -> tuple[str, ...]:
 
 
 def _ended(plant: PhysicalPlant) -> int:
-    """The step of the catch, with a gripper of its end; the last one if there was none."""
+    """Return the step of the catch, with a gripper of its end; without a catch the last step."""
     if isinstance(plant, GrippingPlant) and plant.catch_time is not None:
         return plant.over
     return plant.steps if plant.catch_time is None else round(plant.catch_time / STEP)
@@ -302,7 +302,7 @@ def as_touch(situation: Situation[Any]) -> Situation[Any]:
 
 
 def execution_to_json(done: Execution) -> dict[str, Any]:
-    """The report in the format ``gcm-learn/execution@1``; what does not apply is null.
+    """Return the report as ``gcm-learn/execution@1``; fields that do not apply are null.
 
     Situations that ask for several catches have the field ``catches`` as well.
     """

@@ -73,7 +73,7 @@ class GrippingPlant(PhysicalPlant):
         return self.closed.keys() - self.opened.keys()
 
     def follow(self, plan: Movement, until: float) -> None:
-        """Follow a plan until a time [s] or until it is over; grip and put down as it says."""
+        """Follow a plan with its grips, until a time [s] or the end of the episode."""
         going, acts = self.outcome == RUNNING, []
         for grip in plan.grips if isinstance(plan, Gripping) else ():
             for after, act in ((grip.closes, self._close), (grip.opens, self._open)):
@@ -128,7 +128,7 @@ class GrippingPlant(PhysicalPlant):
             self._succeed(b)
 
     def _off_place(self, name: str) -> float:
-        """Return how far a target was from its place as it was put down [m]."""
+        """Return the distance of a target from its place when it was put down [m]."""
         b, base = self.number_of(name), self.situation.arm.base
         place: Any = self.situation.bodies[b].place
         away, j = np.array(place.position) - np.array(base.origin), self._numbers.index(b)
@@ -137,7 +137,7 @@ class GrippingPlant(PhysicalPlant):
 
     @property
     def gripped(self) -> Gripped | None:
-        """Result of the last grip, if there was one; its blow once that is over."""
+        """Result of the last grip, or None; impulse and torque are set once the blow is over."""
         if not self.closed:
             return None
         (*_, (name, at)), n = self.closed.items(), round(BLOW / STEP)
@@ -153,7 +153,7 @@ class GrippingPlant(PhysicalPlant):
         return told._replace(impulse=float(impulse), torque=float(torque))
 
     def _met(self, b: int, k: int) -> None:
-        """Note a target that is within grasp, which is not caught before it is gripped."""
+        """Note that target b is within grasp at step k; it is not caught before it is gripped."""
         self._within[b] = k
         self._scene.bodies.rows[b, PART] = GONE
 

@@ -48,17 +48,17 @@ class LinkCapsule(NamedTuple):
 
 
 class Segment(NamedTuple):
-    """Rigid part of an arm, which hangs from one before; in the arm's unit."""
+    """Rigid part of an arm, attached to an earlier segment; in the arm's unit."""
 
     name: str
     parent: int
     """Index of the segment from which it hangs; -1 for the base."""
     place: tuple[float, ...]
-    """(3,) In that segment's frame."""
+    """(3,) In the frame of the parent."""
     turn: tuple[float, ...]
     """Quaternion w, x, y, z."""
     inertia: Inertia | None
-    """Absent for what never moves."""
+    """None for a segment that never moves."""
     joints: tuple[Turning, ...]
     links: tuple[LinkCapsule, ...]
 
@@ -135,7 +135,7 @@ def _frames(arm: arms.Chain, body: ChainBody) -> list[Segment]:
 
 
 def _principal(carried: FrameMass) -> Inertia:
-    """Return a mass by its principal axes, of which rounding breaks no law."""
+    """Return a mass in its principal axes, with moments that rounding cannot make unphysical."""
     moments, axes = np.linalg.eigh(np.array(carried.inertia))
     moments = np.maximum(moments, 0.0)
     moments[2] = min(moments[2], moments[0] + moments[1])
@@ -164,7 +164,7 @@ def _lines_of_chain(arm: arms.Chain, metres: float) -> tuple[np.ndarray, np.ndar
 
 
 def _ends_and_hand(arm: arms.Chain, joints: np.ndarray) -> np.ndarray:
-    """Points of a capsule stray no farther than the farther of its ends."""
+    """Return link ends and hand (k, p, 3); a capsule strays no farther than its farther end."""
     ends, _ = arms.links_along(arm, joints)
     hand, _ = arms.hands_along(arm, joints)
     return np.concatenate([ends.reshape(len(joints), -1, 3), hand[:, None]], axis=1)
@@ -219,7 +219,7 @@ MECHANICS = arms.ByKind(
 
 
 def misfit(arm: Any, body: AnyArmBody) -> str:
-    """Say in a sentence why a body is not one of an arm; empty if it is."""
+    """Say in a sentence why a body does not fit an arm; empty if it fits."""
     wanted = MECHANICS.of(arm).format
     if body.format != wanted:
         return f"is of format {body.format}, and {arms.kind_of(arm).plural} need {wanted}"
@@ -228,7 +228,7 @@ def misfit(arm: Any, body: AnyArmBody) -> str:
 
 
 def strongest(arm: Any, body: AnyArmBody) -> np.ndarray:
-    """Return the torques (n,) of the motors, of which each coordinate has one [N m]."""
+    """Return the largest torque of the motor of each coordinate (n,) [N m]."""
     both = zip(body.joints, MECHANICS.of(arm).leads(arm), strict=True)
     return np.array([motor.torque for motor, leads in both if leads])
 

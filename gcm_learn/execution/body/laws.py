@@ -113,7 +113,7 @@ def first_met_in(limb_type: Any, limits_type: Any) -> Any:
 
 @njit
 def grasped(scene, b, joints, poses, room):
-    """Return whether the hand grasps body b at all joints (n, dof) and poses of it (n, 12).
+    """Return whether body b is within grasp at all joints (n, dof) and poses (n, 12) of the body.
 
     Parameters
     ----------

@@ -65,7 +65,7 @@ class Thing(NamedTuple):
 
 
 def mujoco() -> Any:
-    """The library.
+    """Return the module mujoco.
 
     Raises
     ------
@@ -81,14 +81,14 @@ def mujoco() -> Any:
 def model_xml(
     arm: Any, body: AnyArmBody, things: Sequence[Body | Thing] | None = None, grips: bool = False
 ) -> str:
-    """The model in MuJoCo's own format (MJCF).
+    """Return the model in MuJoCo's own format (MJCF).
 
     Parameters
     ----------
     arm : SpatialArm or Chain
     body : ArmBody or ChainBody
     things : sequence of Body or Thing, optional
-        What moves about the arm. Without it the arm has neither contacts nor limits of joints, as
+        Bodies about the arm. Without them the arm has neither contacts nor limits of joints, as
         inverse dynamics wants it.
     grips : bool
         Whether the hand is a gripper.
@@ -126,12 +126,12 @@ def model_xml(
 
 
 def compiled(xml: str) -> Any:
-    """A model of MuJoCo.
+    """Return the MuJoCo model of an XML text.
 
     Raises
     ------
     PhysicsError
-        With what MuJoCo says of it.
+        With MuJoCo's message.
     """
     try:
         return mujoco().MjModel.from_xml_string(xml)
@@ -141,9 +141,9 @@ def compiled(xml: str) -> Any:
 
 
 def model_of(arm: Any, body: AnyArmBody, bodies: Sequence[Body], grips: bool = False) -> Any:
-    """The model of an arm among bodies; kept for the next one like it, wherever that moves.
+    """Return the model of an arm among bodies, cached for equal arms wherever they move.
 
-    A gripper changes its model, which is a copy.
+    A gripper changes its model, so it gets a copy.
     """
     things = tuple(
         Thing(one.name, one.role, one.shape, one.place is not None, one.ignore) for one in bodies
@@ -181,7 +181,7 @@ class Coupling(NamedTuple):
 
 
 def coupling_of(model: Any, arm: Any, metres: float) -> Coupling:
-    """The coupling of an arm's joints in a model of it, which orders them branch by branch."""
+    """Return the coupling of an arm's joints in the order of its model: branch by branch."""
     mechanics = MECHANICS.of(arm)
     factors, offsets = mechanics.lines(arm, metres)
     at = np.array([int(model.joint(f"joint{j}").qposadr[0]) for j in range(len(factors))])
@@ -266,7 +266,7 @@ def _add_link(parent: Xml.Element, link: LinkCapsule, metres: float) -> None:
 def _add_pairs(
     contact: Xml.Element, arm: Any, body: AnyArmBody, things: Sequence[Body | Thing], grips: bool
 ) -> None:
-    """List what may touch."""
+    """Add the pairs of links, hand and bodies that may touch."""
     mechanics = MECHANICS.of(arm)
     links = sorted(link.number for s in mechanics.segments(arm, body) for link in s.links)
     ignored = set(mechanics.ignored(arm))
@@ -286,7 +286,7 @@ def _add_pairs(
 
 
 def _add_thing(world: Xml.Element, thing: Body | Thing, name: str, metres: float) -> None:
-    """A target as a free body, an obstacle as one that is moved from outside."""
+    """Add a target as a free body, or an obstacle as a body that is moved from outside."""
     free = thing.role == "target"
     held = _add(world, "body", name=name, **({} if free else {"mocap": "true"}))
     if free:
@@ -299,7 +299,7 @@ def _add_thing(world: Xml.Element, thing: Body | Thing, name: str, metres: float
 
 
 def _add(parent: Xml.Element, tag: str, **fields: Any) -> Xml.Element:
-    """A child, with numbers as MuJoCo reads them."""
+    """Add a child element, with numbers as MuJoCo reads them."""
     return Xml.SubElement(parent, tag, {name: _written(value) for name, value in fields.items()})
 
 

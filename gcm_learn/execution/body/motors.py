@@ -33,7 +33,7 @@ FAINT = 1e-12
 
 @dataclass(frozen=True)
 class Load:
-    """Load of an arm's motors, over its postures."""
+    """Load of an arm's motors at n postures."""
 
     inertia: np.ndarray
     """(n, dof, dof): mass matrices [kg m^2]."""
@@ -141,7 +141,7 @@ def _limits(arm: Any, body: AnyArmBody) -> tuple[float, ...]:
 
 
 def with_motor_limits(situation: Situation[Any], body: AnyArmBody) -> Situation[Any]:
-    """The situation under the limits of acceleration that it has, or else the motors'."""
+    """Return a situation under its own limits of acceleration, or else under the motors'."""
     arm = situation.arm
     if arm.max_joint_acceleration is not None:
         return situation
@@ -214,7 +214,7 @@ class Following:
 
 
 def following(controller: Controller, arm: Any, body: AnyArmBody) -> Following:
-    """A controller made for an arm, wherever that begins; kept for the next one like it."""
+    """Return the controller of an arm, cached for equal arms wherever they begin."""
     return _kept(controller, *rested(arm, body))
 
 

@@ -45,7 +45,7 @@ class Contact:
 
 
 class PhysicalPlant:
-    """One arm in one situation, at rest or moving as `arm.joint_rates` says.
+    """One arm with mass in one situation; at first it rests, or moves with `arm.joint_rates`.
 
     Until a hand touches them, targets are exactly where their motion laws have them; obstacles
     always are.  Caught: the hand is within grasp of a target by the horizon; collided: a limb
@@ -58,7 +58,7 @@ class PhysicalPlant:
     body : ArmBody or ChainBody
     controller : Controller
     believed : ArmBody or ChainBody, optional
-        What the controller takes the body for, if not for what it is.
+        Body that the controller assumes; by default the true one.
     most : int, optional
         Number of catches that are enough, see `wanted_of`.
     until : float
@@ -151,7 +151,7 @@ class PhysicalPlant:
 
     @property
     def time(self) -> float:
-        """Since the start [s]."""
+        """Time since the start [s]."""
         return self.steps * STEP
 
     @property
@@ -182,7 +182,7 @@ class PhysicalPlant:
 
     @property
     def ended(self) -> int:
-        """The step of the last catch or of the contact, the last one if there was neither."""
+        """Step of the last catch or of the contact; the last step if there was neither."""
         if len(self.catches) == self.wanted.most:
             return round(self.catches[-1].time / STEP)
         return self.steps if self.contact is None else round(self.contact.time / STEP)
@@ -198,7 +198,7 @@ class PhysicalPlant:
         return Movement(self.situation.arm, steps * STEP, self.joints_log[steps].copy())
 
     def follow(self, plan: Movement, until: float) -> None:
-        """Follow a plan, whose times are this plant's, until a time [s] or until it is over."""
+        """Follow a plan on the plant's clock, until a time [s] or the end of the episode."""
         times = np.arange(self.steps, self._steps_until(until) + 1) * STEP
         if times.size < 2:
             return
@@ -254,7 +254,7 @@ class PhysicalPlant:
         gains[:, 1], gains[:, 2] = -kp / self.metric, -kd / self.metric
 
     def _advance(self, commands: np.ndarray, pushed: bool = False) -> None:
-        """Steps with commands (n, dof), until the episode is over; beyond it all of them."""
+        """Step with commands (n, dof) until the episode ends; after its end, with all of them."""
         going, chunk = self.outcome == RUNNING, CHUNK if self.wanted.most == 1 else 1
         library = mujoco()
         library.set_mju_user_warning(lambda message: None)  # what goes wrong becomes an error
@@ -272,7 +272,7 @@ class PhysicalPlant:
             library.set_mju_user_warning(None)
 
     def _run(self, commands: np.ndarray, pushed: bool) -> tuple[int, int] | None:
-        """Steps of the physics; what the limb touches first, see `_contacts`, at which step."""
+        """Step the physics; return the limb's first contact (see `_contacts`) and its step."""
         model, data, step = self._model, self._data, mujoco().mj_step
         first, last = self.steps, self.steps + len(commands)
         inside, after = slice(first, last), slice(first + 1, last + 1)
@@ -321,7 +321,7 @@ class PhysicalPlant:
             self.targets_log[first + 1 : last + 1, columns] = self.targets_log[since, columns]
 
     def _contacts(self) -> tuple[int | None, list[int]]:
-        """The obstacle that the limb touches (LINK: itself), and the targets at the hand."""
+        """Return the obstacle that the limb touches (LINK: itself), and the targets at the hand."""
         limb, hands, codes = None, [], self._codes
         for first, second in self._data.contact.geom.tolist():
             touching, touched = sorted((codes[first], codes[second]))
@@ -342,7 +342,7 @@ class PhysicalPlant:
         return gone
 
     def _take_away(self, b: int, k: int) -> None:
-        """Take away a target that was caught at step k: far off it meets nothing any more."""
+        """Move a target that was caught at step k far off, where it touches nothing."""
         j = self._numbers.index(b)
         self._scene.bodies.rows[b, PART] = GONE
         self._gone[j] = k

@@ -1,1 +1,1 @@
-"""Loops: agents give commands to plants, with the world as it is or as it is perceived."""
+"""Loops in which agents command plants, with exact or with perceived situations."""

@@ -35,13 +35,13 @@ _NUDGE = 1e-5  # of angle and rate, for the law's derivatives [rad, rad/s]
 
 @dataclass
 class _Filter:
-    """One body: what is believed of it at a time."""
+    """Estimate of the motion of one body at a time: mean and covariance."""
 
     body: Body
     """As it was seen last; of a pendulum, and of a piecewise or sampled motion the law is known."""
     rests: bool
     deviations: tuple[float, float]
-    """Of what is seen: place [lengths] and velocity [lengths/s], or angle and rate."""
+    """Deviations of a look: place [lengths] and velocity [lengths/s], or angle and rate."""
     mean: np.ndarray
     """(3, axes): place, velocity, acceleration; (2, 1): angle and rate; (1, 3): place."""
     spread: np.ndarray
@@ -49,7 +49,7 @@ class _Filter:
 
     @classmethod
     def of(cls, body: Body, rests: bool, deviations: tuple[float, float], prior: float) -> _Filter:
-        """After the first look."""
+        """Return the estimate after the first look."""
         place, fast = (max(deviation, _EXACT) ** 2 for deviation in deviations)
         if isinstance(body.motion, Pendulum):
             variances = [place, fast]
@@ -60,7 +60,7 @@ class _Filter:
         return cls(body, rests, deviations, _numbers(body.motion), np.diag(variances))
 
     def later(self, span: float) -> tuple[np.ndarray, np.ndarray]:
-        """Mean and spread after `span` [s]."""
+        """Return mean and spread after `span` [s]."""
         motion = self.body.motion
         if isinstance(motion, Course):
             ahead: Any = bodies_later([self.body], span)[0].motion
@@ -75,7 +75,7 @@ class _Filter:
         return shift @ self.mean, shift @ self.spread @ shift.T
 
     def join(self, body: Body, span: float) -> float:
-        """Join what was believed with what is seen `span` [s] later; see `Belief.join`.
+        """Update the estimate with a look `span` [s] later; return the surprise, see `Belief.join`.
 
         Place and velocity are joined one after the other, so no matrix is inverted and looks may
         be exact; their errors are independent.
@@ -142,12 +142,12 @@ class Belief:
         self._filters: list[_Filter] = []
 
     def join(self, percept: Percept) -> np.ndarray:
-        """Join what is believed with a look.
+        """Update the belief with a percept; return the surprise of each body.
 
         Returns
         -------
         (bodies,) ndarray
-            How surprising it is: sum of the squared errors that were not expected, each over its
+            Surprise: sum of the squared differences of look and prediction, each over its
             variance.  Chi-square distributed: 6 degrees of freedom for a body that flies, 3 for
             one that rests or has a piecewise or sampled motion, 2 for a pendulum.  All 0 for the
             first look.
@@ -171,7 +171,7 @@ class Belief:
         return _Filter.of(body, rests, deviations, self._prior)
 
     def situation(self, now: float, arm: Any) -> Any:
-        """The world as it is believed to be from now on; its horizon is what is left.
+        """Return the believed situation from now on; its horizon is the time that is left.
 
         Parameters
         ----------
@@ -203,7 +203,7 @@ class Belief:
 
 
 def _numbers(motion: Motion) -> np.ndarray:
-    """A motion's numbers, as a filter has its mean."""
+    """Return a motion's numbers in the shape of a filter's mean."""
     if isinstance(motion, Pendulum):
         return np.array([[motion.angle], [motion.rate]])
     if isinstance(motion, Course):

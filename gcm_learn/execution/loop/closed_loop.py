@@ -2,8 +2,8 @@
 
 Every period brings a percept, which renews the belief.  An agent that thinks for k
 periods, or a part of the last one, has its plan k periods later.  It knows how long it will think:
-the plan is for the world as it is believed to be then, from where the arm will be.  Meanwhile the
-arm follows what it followed; after the end of that it brakes to rest.
+the plan is for the believed situation at that time, from where the arm will be.  Meanwhile the
+arm follows its old trajectory, and brakes to rest after the end of that.
 """
 
 from __future__ import annotations
@@ -29,11 +29,11 @@ _HAIR = 1e-9  # of a period, against rounding
 
 
 class LedPlant(Protocol):
-    """An arm in its world, which is led along trajectories."""
+    """An arm in its situation that follows trajectories."""
 
     @property
     def time(self) -> float:
-        """Since the start [s]."""
+        """Time since the start [s]."""
 
     @property
     def outcome(self) -> int:
@@ -49,17 +49,17 @@ class LedPlant(Protocol):
 
     @property
     def carries(self) -> Collection[str]:
-        """Targets in the hand, which keep an agent from thinking."""
+        """Targets in the hand; an agent does not think while it carries any."""
 
     def follow(self, trajectory: Movement, until: float, /) -> None:
-        """Let the world go on until a time [s], or until the episode is over."""
+        """Follow a trajectory until a time [s], or until the episode is over."""
 
 
 class Occasion(NamedTuple):
     """Occasion at which an agent may think."""
 
     believed: AnySituation
-    """The world from now on, with the arm as it is led now."""
+    """Believed situation from now on, with the arm where its trajectory has it."""
     left: Movement
     """Rest of the trajectory that is followed, on a clock of its own; it ends at rest."""
     thoughts: int
@@ -70,10 +70,10 @@ class Mind(Protocol):
     """Protocol of agents that think."""
 
     def wants(self, occasion: Occasion) -> bool:
-        """Return whether it thinks now."""
+        """Return whether the agent thinks now."""
 
     def plan(self, believed: AnySituation) -> Movement | None:
-        """A movement from t = 0 of what is believed on; None to go on as before."""
+        """Return a movement from t = 0 of the believed situation on; None to go on as before."""
 
 
 class Thought(NamedTuple):
@@ -92,7 +92,7 @@ class Loop:
 
     perception: Perception
     looks: int = 10
-    """After how many looks an agent begins to think.  Two would do if they were exact; inexact ones
+    """Number of looks before an agent begins to think.  Two exact looks would do; inexact looks
     tell accelerations late."""
     thinking: float | None = None
     """Time that every thought takes [s]; by default its processor time."""
@@ -146,9 +146,9 @@ class _Episode:
         self.caught: Sequence[Catch] = ()
 
     def think(self, look: int, caught: Sequence[Catch]) -> None:
-        """Take up the plan that is due, and think of another if the agent wants.
+        """Take up the plan that is due, then let the agent think if it wants to.
 
-        Targets that were caught are known, and left out of what is believed.
+        Caught targets are known, and left out of the believed situation.
         """
         self.caught = caught
         self._take_up(look)
@@ -168,7 +168,7 @@ class _Episode:
             self.pending = None
 
     def _plan(self, look: int, spent: float) -> None:
-        """Think, having spent some time [s] on whether to."""
+        """Let the agent plan, after it spent `spent` [s] on the decision to think."""
         ahead = self._periods(self.loop.thinking if self.loop.thinking is not None else spent)
         plan, took = None, 0.0
         for _ in range(TRIES):
@@ -196,7 +196,7 @@ class _Episode:
         return math.ceil(span / self.period - _HAIR)
 
     def _believed(self, t: float) -> AnySituation | None:
-        """The world from t on as it is believed to be, the arm where it is led to then.
+        """Return the believed situation from t on, with the arm where its trajectory has it at t.
 
         None while the hand moves faster than its limit, which may happen as the arm brakes after
         the end of a plan.
@@ -221,7 +221,7 @@ def run_closed_loop(
     plant : LedPlant
         At t = 0 of the situation.
     situation : Situation
-        The world as it is; the agent knows of it only what it perceives.
+        The true situation; the agent knows only its percepts.
     loop : Loop
     seed : int
     *index : int
@@ -259,7 +259,7 @@ JUMP = 1e-6  # distance of arm and trajectory where it is taken up [rad, or fore
 
 
 class ExactPlant:
-    """A kinematic arm in its world: a `LedPlant`.
+    """A kinematic arm in its situation that follows trajectories exactly: a `LedPlant`.
 
     A catch is the first moment at which a target is within grasp, a collision the first one at
     which the limb touches an obstacle.
@@ -291,12 +291,12 @@ class ExactPlant:
     carries = ()
 
     def follow(self, trajectory: Movement, until: float) -> None:
-        """Let the world go on until a time, or until the episode is over.
+        """Follow a trajectory until a time, or until the episode is over.
 
         Parameters
         ----------
         trajectory : Movement
-            On the world's clock; it is now where the arm is.
+            On the plant's clock; at the present time it is where the arm is.
         until : float
             [s]
         """

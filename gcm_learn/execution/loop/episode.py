@@ -31,7 +31,7 @@ class Agent(Protocol):
     """Agent that sees a moment and gives commands."""
 
     def act(self, moment: Moment) -> np.ndarray:
-        """Commands (n, k); those to arms whose episode is over do not matter."""
+        """Return commands (n, k); rows of arms whose episode is over do not matter."""
 
 
 class Plant(Protocol):
@@ -42,32 +42,32 @@ class Plant(Protocol):
 
     @property
     def time(self) -> np.ndarray:
-        """As `Moment` has it."""
+        """Times of the arms, as in `Moment`."""
 
     @property
     def hand(self) -> np.ndarray:
-        """Likewise."""
+        """Hands, as in `Moment`."""
 
     @property
     def posture(self) -> np.ndarray:
-        """Likewise."""
+        """Postures, as in `Moment`."""
 
     @property
     def rewards(self) -> np.ndarray:
-        """Of the last step (n,)."""
+        """Rewards of the last step (n,)."""
 
     def put(self, arms: np.ndarray, places: np.ndarray) -> None:
         """Put arms (m,) at the start of situations (m,)."""
 
     def move(self, actions: np.ndarray) -> np.ndarray:
-        """Carry commands out for a step: the outcomes (n,)."""
+        """Carry commands out for a step; return the outcomes (n,)."""
 
     def hold(self, arms: np.ndarray) -> None:
         """Let arms (m,) whose episode is over stay where they are."""
 
 
 class Steps(NamedTuple):
-    """One step of those arms whose episode is not over, or several steps joined."""
+    """One step of all arms with a running episode, or several steps joined."""
 
     arms: np.ndarray
     """Numbers of the arms (m,)."""
@@ -96,7 +96,7 @@ class Episodes:
     steps: np.ndarray
     """Numbers of steps (n,)."""
     time: np.ndarray
-    """Samples [s] (most + 1, n); after the end all are the last one."""
+    """Sample times [s] (most + 1, n); after the end the last one is repeated."""
     hand: np.ndarray
     """Places of the hand at these times, as `Moment` has them (most + 1, n, 2 or 3)."""
     posture: np.ndarray

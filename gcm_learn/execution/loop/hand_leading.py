@@ -1,4 +1,4 @@
-"""Planar arms that are led along trajectories, and the events of one that follows exactly.
+"""Planar arms that follow trajectories exactly, and the events on the way.
 
 Trajectories are on the world's clock here: the first sample is the beginning.
 """
@@ -31,7 +31,7 @@ def at_first(arm: Arm) -> Movement:
 
 
 def led(arm: Arm, trajectory: Movement, t: float) -> Arm:
-    """Return the arm at a time [s] of a trajectory; rounding beyond its reach is cut off."""
+    """Return the arm at a time [s] of a trajectory, its hand clipped to the reach."""
     x, y = trajectory.hand_at(t).tolist()
     away = math.hypot(x, y)
     within = min(max(away, arm.inner_reach), arm.reach)
@@ -67,7 +67,7 @@ class HandEvents:
         self._scene, self._shortest = scene, rules_of(scene).instant
 
     def first(self, trajectory: Movement, since: float, until: float) -> tuple[int, float, int]:
-        """Return the first event between two times [s], or RUNNING, its time [s], its target."""
+        """Return outcome, time [s] and target of the first event between two times, or RUNNING."""
         ends = trajectory.time[-1:]  # a plan catches there, and perhaps nowhere else
         for end in (*ends[(ends > since) & (ends < until)].tolist(), until):
             code, when, body = self._on(trajectory, since, end)

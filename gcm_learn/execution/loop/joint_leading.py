@@ -37,7 +37,7 @@ class JointEvents:
         self._desk = desk_of(scene)
 
     def first(self, trajectory: Movement, since: float, until: float) -> tuple[int, float, int]:
-        """Return the first event between two times [s], or RUNNING, its time [s], its target."""
+        """Return outcome, time [s] and target of the first event between two times, or RUNNING."""
         inner = trajectory.time[(trajectory.time > since) & (trajectory.time < until)]
         for end in (*inner.tolist(), until):
             curve = _move(trajectory, since, end)
@@ -49,7 +49,7 @@ class JointEvents:
 
 
 def _move(trajectory: Movement, since: float, until: float) -> np.ndarray:
-    """The move (dof, 4) between two times; between them, or at one of them, there is no sample."""
+    """Return the move (dof, 4) between two times that have no sample between them."""
     time, joints, rates = trajectory.time, trajectory.joints, trajectory.rates
     dof = joints.shape[1]
     move, whole = np.empty((dof, 4)), np.empty((dof, 4))
@@ -69,7 +69,7 @@ def _move(trajectory: Movement, since: float, until: float) -> np.ndarray:
 
 @njit
 def _happens(scene, curve, since, until, shortest, desk):
-    """Return the first event on a move, or RUNNING, its time [s], and the target of a catch."""
+    """Return outcome (RUNNING if none), time [s] and target of the first event on a move."""
     met, body = first_meeting(scene, curve, since, until, scene.limits.grasp, shortest, desk.poses)
     end = met if met >= 0.0 else until
     last = (end - since) / (until - since)
@@ -116,7 +116,7 @@ class Gripping(Movement):
 
 
 def gripped(plan: Plan) -> Gripping:
-    """Return the movement of a catch, whose hand closes at the end of a hold or with a touch."""
+    """Return a plan's movement, with a grip at the end of each hold or at each touch."""
     moves: Any = plan.trajectory
     grips = (
         Grip(one["body"], one.get("held_until", one["time"]), one.get("placed"))
@@ -129,7 +129,7 @@ Led = TypeVar("Led", bound=Chain)
 
 
 def begun(arm: Led, plan: Movement, since: float) -> Movement:
-    """A plan that begins at a time [s]; after its end the arm brakes to rest."""
+    """Return a plan that begins at a time [s]; after its end the arm brakes to rest."""
     clocked = replace(plan, arm=arm, time=plan.time + since)
     if arm.max_joint_acceleration is None:
         return clocked
@@ -143,10 +143,10 @@ def at_first(arm: Led) -> Movement:
 
 
 def led(arm: Led, trajectory: Movement, t: float) -> Led:
-    """The arm as it stands and moves at a time [s] of a trajectory.
+    """Return the arm as it stands and moves at a time [s] of a trajectory.
 
-    Rounding beyond its limits is cut off.  Without limits of acceleration it may rest
-    at any time, so its rates do not count.
+    Values are clipped to the arm's limits, against rounding.  Without limits of acceleration the
+    arm may rest at any time, so its rates do not count.
     """
     joints, rates, _ = trajectory.states_at(np.array([t]))
     low, high = np.array(arm.joint_range).T

@@ -16,7 +16,7 @@ class Events(Protocol):
     """Events of an arm that follows trajectories exactly."""
 
     def first(self, trajectory: Any, since: float, until: float, /) -> tuple[int, float, int]:
-        """Return the first event between two times [s], or RUNNING, its time [s], its target."""
+        """Return outcome, time [s] and target of the first event between two times, or RUNNING."""
 
 
 @dataclass(frozen=True)

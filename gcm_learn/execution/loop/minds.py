@@ -81,25 +81,25 @@ class Answering(Protocol):
 
 @dataclass(frozen=True)
 class Planning:
-    """An agent that follows what a planner finds."""
+    """An agent that follows the plans of a planner."""
 
     planner: Answering
     habit: Literal["once", "always", "broken"] = "broken"
-    """Occasions to think: once; whenever it is done with the last thought; or when the followed
-    plan does not catch any more, in the world as it is believed to be."""
+    """Occasions to think: once; whenever the last thought is done; or when the followed plan no
+    longer catches in the believed situation."""
 
     def __post_init__(self) -> None:
         if self.habit not in HABITS:
             raise ArenaError(f"habit: must be one of {', '.join(HABITS)} (got {self.habit!r})")
 
     def wants(self, occasion: Occasion) -> bool:
-        """Return whether it thinks now."""
+        """Return whether the agent thinks now."""
         if self.habit == "once":
             return occasion.thoughts == 0
         return self.habit == "always" or not holds(occasion)
 
     def plan(self, believed: AnySituation) -> Movement | None:
-        """The planner's movement."""
+        """Return the planner's movement, or None."""
         asked: Any = self.planner
         many = wanted_of(believed).most > 1
         answer = plan_with(asked, believed) if many else asked.plan(believed)
@@ -133,11 +133,11 @@ class Commanding:
     """Of its observations; a command holds for a step."""
 
     def wants(self, occasion: Occasion) -> bool:
-        """It always does."""
+        """Return True: the agent commands in every period."""
         return True
 
     def plan(self, believed: Any) -> Movement | None:
-        """The movement of the next step; after it the arm would come to rest."""
+        """Return the movement of the next step; after the step the arm would come to rest."""
         step = OneStep(believed, self.settings)
         posture = np.stack([step.posture, step.after(self.policy(step.told)[0])])
         return way_of(believed.arm, np.array([0.0, self.settings.dt]), posture)

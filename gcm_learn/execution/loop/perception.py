@@ -133,7 +133,7 @@ class Perception:
         )
 
     def _blurred(self, motion: Motion, forearm: float, source: np.random.Generator) -> Motion:
-        """A motion as it is seen."""
+        """Return a motion with random errors of perception."""
         place, fast = self.deviations(motion, forearm)
         if isinstance(motion, Pendulum):
             off, faster = source.normal(size=2).tolist()
@@ -162,7 +162,7 @@ def start_of(motion: Course) -> tuple[float, float, float]:
 
 
 def shifted(motion: Course, off: np.ndarray) -> Course:
-    """Return a piecewise or sampled motion whose places are all shifted by (3,) [lengths]."""
+    """Return a piecewise or sampled motion with all places shifted by `off` (3,) [lengths]."""
     if isinstance(motion, Sampled):
         rows: Any = (np.array(motion.positions) + off).tolist()
         return replace(motion, positions=tuple(map(tuple, rows)))

@@ -25,7 +25,7 @@ def downward(hands: np.ndarray, axes: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class ConveyorChain(ChainFamily):
-    """Parts ride on a belt behind a row of posts, among boxes; one or several are to be picked."""
+    """Parts on a belt behind a row of posts, among boxes; the arm picks one or several parts."""
 
     name = "conveyor-chain"
     summary = "parts on a belt among boxes, behind a row of posts"
@@ -85,7 +85,7 @@ class ConveyorChain(ChainFamily):
     def _parts(
         self, rng: np.random.Generator, stage: Stage, way: Way, course: np.ndarray
     ) -> list[Body]:
-        """The targets: one at the meeting, the others after it on the belt."""
+        """Draw the targets: one at the meeting, the others behind it on the belt."""
         parts = [self.ball(rng, stage, way.meet, way.when, course)]
         along, far = course / max(float(np.linalg.norm(course)), 1e-9), 0.0
         for k in range(1, ranges.pick_count(rng, self.parts)):
@@ -98,7 +98,7 @@ class ConveyorChain(ChainFamily):
         self, rng: np.random.Generator, stage: Stage, way: Way, axes: np.ndarray,
         course: np.ndarray, lying: Box | None,
     ) -> list[Body]:  # fmt: skip
-        """The belt and the boxes on it, before and after the meeting's place."""
+        """Draw the belt and the boxes on it, before and after the meeting's place."""
         reach = stage.arm.reach
         belt = Box((0.42 * reach, 0.056 * reach, 0.014 * reach))
         low = 0.07 * reach if lying is None else lying.half_extents[2] + belt.half_extents[2]

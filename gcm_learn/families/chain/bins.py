@@ -1,4 +1,4 @@
-"""Bins into which a chain puts what it has picked."""
+"""Bins into which a chain puts the targets that it has caught."""
 
 from __future__ import annotations
 
@@ -41,9 +41,9 @@ class Bins(Ranges):
         self, rng: np.random.Generator, stage: Stage, way: Way, situation: Situation[Chain],
         under: tuple[str, ...],
     ) -> Situation[Chain]:  # fmt: skip
-        """Return a situation with a bin and places, or as it is if the arm has no room for a bin.
+        """Return the situation with a bin and places, or unchanged if there is no room for a bin.
 
-        Of the obstacles `under`, on which targets lie, only those count that the situation has.
+        Targets lie on the obstacles `under`; only obstacles that the situation has count.
         """
         under = tuple(body.name for body in situation.obstacles if body.name in under)
         others = [body for body in situation.bodies if body not in stage.floor]

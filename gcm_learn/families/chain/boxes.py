@@ -66,7 +66,7 @@ class ShelfChain(ChainFamily):
         sizes: tuple[float, ...],
         thin: float,
     ) -> Body:
-        """A board before the shelf, which slides to one side and on."""
+        """Draw a board in front of the shelf that slides to one side and keeps moving."""
         depth, wide, high = sizes
         side, off = pick_sign(rng) * axes[:, 1], pick(rng, self.opened) * way.when
         place = middle - (depth + 3.0 * thin) * axes[:, 0]
@@ -77,7 +77,7 @@ class ShelfChain(ChainFamily):
 def _shelf(
     sizes: tuple[float, ...], thin: float
 ) -> list[tuple[str, tuple[float, float, float], tuple[float, float, float]]]:
-    """Boards of a shelf by name: place and half sizes, in its axes (in, sideways, up)."""
+    """Return a shelf's boards: name, place and half sizes, along (in, sideways, up)."""
     depth, wide, high = sizes
     return [
         ("top", (0.0, 0.0, high), (depth, wide, thin)),
@@ -128,7 +128,7 @@ class DrawerChain(ChainFamily):
 def _cabinet(
     bottom: np.ndarray, axes: np.ndarray, sizes: tuple[float, float, float], thin: float
 ) -> tuple[Body, ...]:
-    """Roof, sides and back about a closed drawer, its bottom at a place (3,)."""
+    """Return roof, sides and back around a closed drawer with its bottom at `bottom` (3,)."""
     x, y, tall = sizes
     roof = bottom + (2.0 * tall + 3.0 * thin) * UP
     middle = bottom + (tall + thin) * UP

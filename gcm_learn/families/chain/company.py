@@ -44,7 +44,7 @@ class OtherArmChain(ChainFamily):
     """Rates of the second arm's joints, at most [of their full speed]."""
 
     def story(self, rng: np.random.Generator, stage: Stage) -> Story:
-        """A ball and a second arm; none if every one that is drawn is in the way's ends."""
+        """Draw a ball and a second arm; no arm if all draws of it block an end of the way."""
         way = self.way(rng, stage)
         course = stage.size(rng, self.drift) * unit_vector(rng.normal(size=3))
         ball = self.ball(rng, stage, way.meet, way.when, course)
@@ -55,7 +55,7 @@ class OtherArmChain(ChainFamily):
         return Story(way, (ball,))
 
     def _links(self, rng: np.random.Generator, stage: Stage, way: Way) -> tuple[Body, ...]:
-        """The links of an arm whose hand is near a place on the way when the first arm is."""
+        """Draw a second arm's links, its hand at a place on the way when the first arm is there."""
         place, when = on_the_way(rng, stage, way)
         side, turn = pick_angle(rng), pick_angle(rng)
         far = stage.size(rng, self.away)
@@ -98,7 +98,7 @@ class HandoverChain(ChainFamily):
     """Speed with which the giver goes straight on then [reaches/s]."""
 
     def story(self, rng: np.random.Generator, stage: Stage) -> Story:
-        """A part, two fingers, a palm and a forearm, which move as one."""
+        """Draw a part, two fingers, a palm and a forearm, all moving together."""
         way, reach = self.way(rng, stage), stage.arm.reach
         speed, ahead = stage.size(rng, self.brought), unit_vector(rng.normal(size=3))
         held = pick(rng, self.arrives) * way.when
@@ -128,7 +128,7 @@ class HandoverChain(ChainFamily):
 
 @dataclass(frozen=True)
 class PersonChain(ChainFamily):
-    """Persons walk past a part on a stand; where they go is known the less, the later it is."""
+    """Persons who walk past a part on a stand; the later, the less their place is known."""
 
     name = "person-chain"
     summary = "a part on a stand, and persons who walk past, with margins that grow"
@@ -159,7 +159,7 @@ class PersonChain(ChainFamily):
         return Story(way, (part, stand, *persons), under=("stand",))
 
     def _person(self, rng: np.random.Generator, stage: Stage, way: Way, k: int) -> Body:
-        """A person who walks through a place on the way when the arm is there."""
+        """Draw a person who walks through a place on the way when the arm is there."""
         place, when = on_the_way(rng, stage, way)
         angle, pace = pick_angle(rng), stage.size(rng, self.walk)
         radius, half = stage.size(rng, self.stout), stage.size(rng, self.tall)

@@ -1,4 +1,4 @@
-"""Base of families for chains: a story about one way of the arm, and bodies aimed at it."""
+"""Base of families for chains: stories with one way of the arm, and bodies aimed at that way."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ from gcm_learn.situation import (
 
 @lru_cache(maxsize=32)
 def model_of(name: str) -> ChainModel:
-    """Return the model of an arm that ships, of an arm file, or of its text; read once.
+    """Return the model of a shipped arm, of an arm file, or of such a file's text; cached.
 
     Raises
     ------
@@ -90,11 +90,11 @@ class ChainArmRanges(ranges.Ranges):
 
     @property
     def gravity(self) -> float:
-        """Acceleration of what falls [lengths/s^2]."""
+        """Acceleration of falling bodies [lengths/s^2]."""
         return EARTH / self.metres
 
     def arm(self, rng: np.random.Generator) -> Chain:
-        """Draw a chain in any posture, its base at the origin."""
+        """Draw a chain in the middle of its joints' ranges, its base at the origin."""
         model = model_of(self.model)
         middle = tuple(0.5 * (low + high) for low, high in model.ranges)
         given: dict[str, Any] = {}
@@ -127,7 +127,7 @@ EARLY, LATE = 0.25, 0.95  # places on the way at which bodies are aimed, as shar
 
 
 class Story(NamedTuple):
-    """Events of a situation, and one way to catch."""
+    """Bodies of a situation, and one way of the arm to a catch."""
 
     way: Way
     bodies: tuple[Body, ...]
@@ -268,7 +268,7 @@ def on_the_way(rng: np.random.Generator, stage: Stage, way: Way) -> tuple[np.nda
 
 
 def aimed(rng: np.random.Generator, stage: Stage, way: Way, make: Maker, count: int) -> list[Body]:
-    """Draw bodies, each until it fits the way; those that do not in ten draws are left out.
+    """Draw bodies that fit the way, each in up to ten draws; leave out bodies that never fit.
 
     Parameters
     ----------
@@ -302,6 +302,6 @@ def facing(way: Way) -> np.ndarray:
 
 
 def _kept(stage: Stage, story: Story) -> tuple[Body, ...]:
-    """The bodies of a story but those that block an end of its way."""
+    """Return the bodies of a story without obstacles that block an end of its way."""
     bodies: Sequence[Body] = story.bodies
     return tuple(b for b in bodies if b.role == "target" or stage.fits(story.way, (b,)))

@@ -34,7 +34,7 @@ class ThrowChain(ChainFamily):
     """Radius of these [reaches]."""
 
     def story(self, rng: np.random.Generator, stage: Stage) -> Story:
-        """A thrown ball and what rests in the way."""
+        """Draw a thrown ball, and resting obstacles in the way."""
         way, angle = self.way(rng, stage), ranges.pick_angle(rng)
         course = np.array([math.cos(angle), math.sin(angle), 0.0])
         pull = -stage.gravity * UP
@@ -131,14 +131,14 @@ class FallingChain(ChainFamily):
     """Largest rate at which they turn [rad/s]."""
 
     def story(self, rng: np.random.Generator, stage: Stage) -> Story:
-        """A ball that bounces, a table and what falls."""
+        """Draw a ball that bounces, its table, and falling bars."""
         way = self.way(rng, stage)
         bodies = list(self._bounced(rng, stage, way))
         bodies += aimed(rng, stage, way, self._bar, ranges.pick_count(rng, self.falling))
         return Story(way, tuple(bodies))
 
     def _bounced(self, rng: np.random.Generator, stage: Stage, way: Way) -> tuple[Body, Body]:
-        """The ball and its table."""
+        """Draw a ball that bounces before the meeting, and the table on which it bounces."""
         since = min(ranges.pick(rng, self.bounce), 0.5 * way.when)
         high, angle = stage.size(rng, self.height), ranges.pick_angle(rng)
         pull, first = -stage.gravity * UP, way.when - since

@@ -19,7 +19,7 @@ MOST = 20_000  # points of a cloud
 
 @dataclass(frozen=True)
 class Measured(Ranges):
-    """Shares of obstacles that are surfaces; the floor stays as it is."""
+    """Shares of obstacles given as surfaces, clouds or meshes; the floor never is."""
 
     clouds: float = number(0.0)
     """Share of obstacles that are points on their surfaces, with balls about them."""
@@ -55,7 +55,7 @@ def areas_of(mesh: Mesh) -> np.ndarray:
 
 
 def cloud_of(rng: np.random.Generator, mesh: Mesh, count: int, radius: float) -> Cloud:
-    """Draw so many points on a mesh, evenly over its area, with balls of a radius about them."""
+    """Draw `count` points evenly over a mesh's area, as a cloud of balls of a radius."""
     areas = areas_of(mesh)
     which = rng.choice(len(areas), count, p=areas / areas.sum())
     share = np.sort(rng.random((count, 2)), axis=1)
@@ -64,7 +64,7 @@ def cloud_of(rng: np.random.Generator, mesh: Mesh, count: int, radius: float) ->
 
 
 def mesh_of(shape: SolidShape) -> Mesh:
-    """Return the surface of a solid as triangles, whose corners lie on it."""
+    """Return a triangle mesh of a solid, with all corners on the solid's surface."""
     if isinstance(shape, Box):
         ends = np.array(list(itertools.product((-1.0, 1.0), repeat=3))) * shape.half_extents
         quads = ((0, 1, 3, 2), (4, 5, 7, 6), (0, 1, 5, 4), (2, 3, 7, 6), (0, 2, 6, 4), (1, 3, 7, 5))

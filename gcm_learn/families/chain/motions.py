@@ -20,7 +20,7 @@ Law = tuple[float, ArrayLike, ArrayLike]
 
 
 def staged(body: Body, laws: Sequence[Law]) -> Body:
-    """A resting body that moves by one law after another, from its place at t = 0."""
+    """Return a resting body set in motion by one law after another, from its place at t = 0."""
     rest, pieces = flight(body), []
     place, last = np.array(rest.position), None
     for start, velocity, pull in laws:
@@ -50,13 +50,13 @@ def sliding(body: Body, begins: float, ends: float, by: np.ndarray) -> Body:
 
 
 def arriving(body: Body, when: float, velocity: np.ndarray, drift: np.ndarray = STILL) -> Body:
-    """A body that slows down evenly from a velocity (3,), and drifts from its place on then."""
+    """Return a body that slows down evenly to be at its place at `when`, and then drifts."""
     first = shifted(body, -0.5 * (velocity + drift) * when)
     return staged(first, [(0.0, velocity, (drift - velocity) / when), (when, drift, STILL)])
 
 
 def orbiting(body: Body, middle: np.ndarray, rate: float, when: float) -> Body:
-    """A ball that circles a middle (3,) of its height, at its place at a time, without an end."""
+    """Return a ball that circles `middle` (3,) on its level for ever, at its place at `when`."""
     out = np.array(flight(body).position) - middle
     radius = float(np.linalg.norm(out))
     swing = Pendulum(
@@ -66,7 +66,7 @@ def orbiting(body: Body, middle: np.ndarray, rate: float, when: float) -> Body:
 
 
 def circling(body: Body, middle: np.ndarray, rate: float, when: float, horizon: float) -> Body:
-    """A body on a turntable, turning with it about the vertical, at its place at a time.
+    """Return a body that turns with a turntable about the vertical, at its place at `when`.
 
     Parameters
     ----------

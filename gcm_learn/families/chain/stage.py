@@ -64,7 +64,7 @@ class Stage(NamedTuple):
     """An arm with its horizon and floor; lengths are in the arm's unit."""
 
     arm: Chain
-    """In any posture, its base at the origin."""
+    """Arm at the middles of its ranges, its base at the origin."""
     horizon: float
     """[s]"""
     gravity: float
@@ -132,9 +132,10 @@ class Stage(NamedTuple):
         return clearances(scene, np.ascontiguousarray(joints), np.array(times, dtype=float))
 
     def fits(self, way: Way, bodies: Sequence[Body]) -> bool:
-        """Return whether bodies leave a way's start free at t = 0, and its end at the meeting.
+        """Return whether bodies leave the way's start free at t = 0, and its end at the meeting.
 
-        They also have to leave the places free that no posture leaves, such as the base.
+        They also have to leave free the places that the arm fills in every posture, such as the
+        base.
         """
         room = ROOM * self.arm.reach
         ends = np.stack([way.start, way.end])
@@ -194,7 +195,7 @@ class Stage(NamedTuple):
 def stage_of(
     rng: np.random.Generator, arm: Chain, horizon: float, gravity: float, floor: float | None
 ) -> Stage:
-    """Draw postures of an arm, above a floor at a height or without one."""
+    """Draw a stage: postures of an arm, above a floor at height `floor` if that is given."""
     low, high = np.array(arm.joint_range).T
     joints = low + (high - low) * rng.random((POSTURES, len(low)))
     shell = replace(arm, model=replace(arm.model, self_collision=()), ignore=())
@@ -214,7 +215,7 @@ def _free(stage: Stage) -> np.ndarray:
 
 
 def _core(arm: Chain, joints: np.ndarray) -> Chain | None:
-    """Return an arm with balls at the points of its links that hardly move between postures."""
+    """Return the arm with balls at link points that hardly move between postures; None if none."""
     ends, radii = links_along(arm, joints)
     points = ends[:, :, :1] + ALONG[:, None] * (ends[:, :, 1:] - ends[:, :, :1])
     middle = points.mean(axis=0)
@@ -229,7 +230,7 @@ def _core(arm: Chain, joints: np.ndarray) -> Chain | None:
 
 
 def _grounded(stage: Stage, height: float) -> Stage | None:
-    """Return a stage on a floor, None if the arm is mostly below it.
+    """Return the stage with a floor at `height`; None if the arm is mostly below that floor.
 
     Links that touch the floor in every posture, such as a base, are not checked against it.
     """

@@ -63,7 +63,7 @@ class WindowChain(ChainFamily):
         axes: np.ndarray,
         sizes: tuple[float, float],
     ) -> list[Body]:
-        """Four bars about the window, and upright ones beside it."""
+        """Draw four bars around the window, and further upright bars beside it."""
         places = [(1, sizes[0]), (1, -sizes[0]), (2, sizes[1]), (2, -sizes[1])]
         for k in range(ranges.pick_count(rng, self.more)):
             places.append((1, (-1.0) ** k * (2 + k // 2) * sizes[0]))
@@ -83,7 +83,7 @@ class WindowChain(ChainFamily):
         axes: np.ndarray,
         sizes: tuple[float, float],
     ) -> Body:
-        """A thick bar that slides over the window and is off it at the meeting."""
+        """Draw a thick bar that slides over the window and has left it at the meeting."""
         k, radius = int(rng.integers(1, 3)), stage.size(rng, self.shutter)
         passes = ranges.pick(rng, self.passes) * way.when
         far = 1.1 * sizes[k - 1] + radius

@@ -20,7 +20,7 @@ Matrix = tuple[tuple[float, float], ...]
 
 
 class Build(NamedTuple):
-    """Measures of an arm, in a unit of its own; a left arm: x ahead, y to its side, z up."""
+    """Measures of a left arm in a unit of its own: x ahead, y to the arm's side, z up."""
 
     metres: float
     """Length of the unit [m]."""
@@ -115,7 +115,7 @@ class SpatialArmRanges(Ranges):
         return {name: _plain(values) for name, values in limits.items()}
 
     def _mixed(self, rng: np.random.Generator) -> Build:
-        """An arm between the two, in a unit of about its forearm, each number moved a little."""
+        """Draw an arm between human and NAO, in a unit of about its forearm, each number varied."""
         share, mixed = pick(rng, self.between), {}
         for name, human in HUMAN._asdict().items():
             unit = {"metres": 1.0 / NAO.unit, **_RADIANS}.get(name, NAO.unit)
@@ -125,7 +125,7 @@ class SpatialArmRanges(Ranges):
 
 
 def arm_of(build: Build, joints: np.ndarray) -> SpatialArm:
-    """An arm with its shoulder at the origin."""
+    """Return the arm of a build at joint angles, with its shoulder at the origin."""
     names = set(SpatialArm.__dataclass_fields__) & set(Build._fields)
     shape = {name: getattr(build, name) for name in names}
     return SpatialArm(joints=_plain(joints), **shape)
@@ -178,7 +178,7 @@ SPATIAL_SCENES: dict[str, Callable[[], Situation[SpatialArm]]] = {
 
 
 def paper_scene(name: str) -> AnySituation:
-    """The scene of one of the paper's figures, e.g. ``paper_scene("fig4")`` or ``"fig8-space"``."""
+    """Return the scene of a paper's figure, e.g. ``paper_scene("fig4")`` or ``"fig8-space"``."""
     scene = SPATIAL_SCENES.get(name) or PAPER_SCENES.get(name)
     if scene is None:
         raise UnknownNameError.among("scene", name, [*PAPER_SCENES, *SPATIAL_SCENES])

@@ -19,9 +19,9 @@ THIN = 0.05  # half the thickness of the table's top [forearms]
 
 @dataclass(frozen=True)
 class BenchSpace(SpatialFamily):
-    """The hand is under a table, the ball on it, behind boxes and cans; some of them slide.
+    """A hand under a table, and a ball on the table behind boxes and cans, some of which slide.
 
-    It asks to come out from under the table, and then to reach over or past what stands on it.
+    The arm has to come out from under the table, and then reach over or past the boxes and cans.
     """
 
     name = "bench-space"
@@ -67,7 +67,7 @@ class BenchSpace(SpatialFamily):
     def _way(
         self, rng: np.random.Generator, stage: SpaceStage, table: Body, top: float, edge: float
     ) -> tuple[SpaceWay, Body]:
-        """A start under or over the table, and a ball on it that the hand may touch."""
+        """Draw a way that starts under or over the table, and a ball on the table at its end."""
         _, hand = stage.limb(stage.joints)
         free = stage.room(stage.joints, (table,)) > 0.0
         out = free & (hand[:, 0] > edge)
@@ -82,7 +82,7 @@ class BenchSpace(SpatialFamily):
         return way, solid("target", Sphere(radius), place, when=way.takes, velocity=course)
 
     def _good(self, rng: np.random.Generator, way: SpaceWay, top: float, name: str) -> Body:
-        """A box or a can that stands before or beside the ball, or slides past it."""
+        """Draw a box or a can that stands before or beside the ball, or slides past the ball."""
         size, high = ranges.pick(rng, self.size), ranges.pick(rng, self.tall)
         towards = way.meet * rng.uniform(0.4, 1.0) + rng.normal(size=3) * 0.3
         place = np.array([towards[0], towards[1], top + high])

@@ -20,10 +20,10 @@ SIDES = ((0, 1.0), (0, -1.0), (1, 1.0), (1, -1.0))
 
 @dataclass(frozen=True)
 class CrateSpace(SpatialFamily):
-    """A ball in a crate that is open above or to one side, or will be: its lid slides off.
+    """A ball in a crate that is open above or to one side, or opens when its lid slides off.
 
-    It asks for a way round the crate's walls and into it with the forearm ahead. A lid asks to
-    wait before it.
+    The arm has to go round the crate's walls and in with the forearm ahead. At a lid it has to
+    wait.
     """
 
     name = "crate-space"
@@ -85,7 +85,7 @@ class TraySpace(SpatialFamily):
     """Between a hand at the ball and the roof [forearms]."""
 
     def story(self, rng: np.random.Generator, stage: SpaceStage) -> SpaceStory:
-        """A tray with a ball, and what is over it."""
+        """Draw a tray with a ball, and a cover or a roof over the tray."""
         way = stage.way(rng, self.takes, None, reaching(stage))
         covered = rng.random() < self.covers
         when = way.opens(stage.horizon, pick(rng, self.left)) if covered else 1.5 * way.takes
@@ -142,7 +142,7 @@ def reaching(stage: SpaceStage) -> np.ndarray:
 
 
 def entrance(stage: SpaceStage, way: SpaceWay) -> np.ndarray:
-    """Axes of a box that the forearm enters: z out of it, upwards or level."""
+    """Return axes of a box that the forearm enters: z points out of the box, upwards or level."""
     elbow, _ = stage.limb(way.end)
     out = elbow - way.meet
     if out[2] > STEEP * float(np.linalg.norm(out)):

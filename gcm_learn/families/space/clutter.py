@@ -32,7 +32,7 @@ class StaticClutterSpace(family.SpatialFamily):
     """Places on the way at which they stand, as shares of it."""
 
     def story(self, rng: np.random.Generator, stage: SpaceStage) -> family.SpaceStory:
-        """A ball at rest, and what stands in the way."""
+        """Draw a ball at rest, and obstacles in the way."""
         way = stage.way(rng, self.takes)
         bodies = [self.ball(rng, way.meet)]
         for k in range(pick_count(rng, self.obstacles)):
@@ -104,10 +104,10 @@ class CrossingSwarmSpace(family.SpatialFamily):
 
 @dataclass(frozen=True)
 class BehindPostSpace(family.SpatialFamily):
-    """A tall post stands between hand and ball, and moves: with the ball, or on past it.
+    """A tall post between hand and ball that moves with the ball, or on past the ball.
 
-    One that goes on past the ball is where the arm must be until it has left; the arm has to wait
-    behind it. Round one that stays in between the arm has to be drawn in, or lifted over it.
+    A post that goes on past the ball is at first where the arm must be, so the arm has to wait
+    behind it. Round a post that stays in between, the arm has to be drawn in, or lifted over it.
     """
 
     name = "behind-post-space"

@@ -1,4 +1,4 @@
-"""Base of families in space: a story about one way of the arm, and bodies aimed at it."""
+"""Base of families in space: stories with one way of the arm, and bodies aimed at that way."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ FARTHEST, SEARCHED = 5.0, 0.1  # how far a body goes to leave a place, in steps 
 
 
 class SpaceStory(NamedTuple):
-    """Events of a situation, and one way to catch."""
+    """Bodies of a situation, and one way of the arm to a catch."""
 
     way: SpaceWay
     when: float
@@ -60,7 +60,7 @@ class Things(Ranges):
     """Angle by which boards and bars are out of the square [rad]."""
 
     def shape(self, rng: np.random.Generator) -> tuple[str, SolidShape]:
-        """Draw one: what it is called, and a shape whose z axis is its length."""
+        """Draw a body: the name of its kind, and a shape with its length along z."""
         kind, radius = rng.random(), pick(rng, self.radius)
         if kind < self.boards:
             sizes = (pick(rng, self.width), pick(rng, self.thin), pick(rng, self.length))
@@ -113,20 +113,20 @@ class SpatialFamily(Family):
         pull: np.ndarray = solids.STILL,
         radius: float | None = None,
     ) -> Body:
-        """The target: a ball that is at `meet` (3,) at a time; its velocity is that at t = 0."""
+        """Draw a target ball that is at `meet` (3,) at `when`; `velocity` counts at t = 0."""
         size = pick(rng, self.target) if radius is None else radius
         return solids.solid("target", Sphere(size), meet, when=when, velocity=velocity, pull=pull)
 
 
 def through(stage: SpaceStage, radius: float) -> float:
-    """Distance of a ball behind a wall at which no hand before the wall catches it [forearms]."""
+    """Return the distance behind a wall at which no hand before it catches a ball [forearms]."""
     return max(radius + stage.grasp - stage.thickness, 0.0) + BEYOND
 
 
 def worth_planning(
     rng: np.random.Generator, stage: SpaceStage, story: SpaceStory, easy: bool
 ) -> bool:
-    """Return whether a way by one posture between is free while the straight one is blocked.
+    """Return whether a way by one posture in between is free while the straight way is blocked.
 
     A good guess: bodies are where they are at the start for the first half of the way, and where
     they are at the end for the second.
@@ -146,7 +146,7 @@ def worth_planning(
 
 
 def fits(stage: SpaceStage, way: SpaceWay, when: float, bodies: Sequence[Body]) -> bool:
-    """Guess well whether a way's start is free of bodies at t = 0, and its end at a time."""
+    """Estimate whether a way's start is free of bodies at t = 0, and its end at time `when`."""
     if stage.room(way.start, bodies) <= 0.0:
         return False
     return bool(stage.room(way.end, bodies, when) > 0.0)
@@ -155,7 +155,7 @@ def fits(stage: SpaceStage, way: SpaceWay, when: float, bodies: Sequence[Body]) 
 def across(
     rng: np.random.Generator, stage: SpaceStage, way: SpaceWay, share: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """A place that the limb sweeps, and axes there: along the limb, along its motion, across both.
+    """Draw a place that the limb sweeps, with axes along the limb, along its motion, across both.
 
     Parameters
     ----------
@@ -180,7 +180,7 @@ def across(
 
 
 def leaning(rng: np.random.Generator, axes: np.ndarray, angle: float) -> np.ndarray:
-    """Axes (3, 3) whose z axis leans to some side by an angle [rad]."""
+    """Return axes (3, 3) with the z axis tilted by an angle [rad] to a random side."""
     side = pick_angle(rng)
     sideways = np.cos(side) * axes[:, 0] + np.sin(side) * axes[:, 1]
     return solids.axes_along(np.cos(angle) * axes[:, 2] + np.sin(angle) * sideways, axes[:, 0])
@@ -195,7 +195,7 @@ def aimed(
     name: str,
     when: float,
 ) -> Body:
-    """A body at rest across a way, where the limb would be; a board's face is turned to it.
+    """Draw a body at rest across a way, where the limb would be; boards turn a face to the limb.
 
     It is drawn again where it touches the limb at the start, or at the end at `when`.
     """
@@ -218,7 +218,7 @@ def leaving(
     when: float,
     least: float = 0.0,
 ) -> Body:
-    """A body that sets out, just so fast that the end of a way is free of it at a time.
+    """Return a body that sets out just fast enough that the way's end is free of it at `when`.
 
     Parameters
     ----------
@@ -243,7 +243,7 @@ def leaving(
 def sentry(
     rng: np.random.Generator, stage: SpaceStage, way: SpaceWay, radius: Range, when: float
 ) -> Body:
-    """A ball or a block where the hand ends its way, which leaves that place at a time."""
+    """Draw a ball or block at the end of the hand's way that leaves that place by time `when`."""
     for _ in range(TRIES):
         size = pick(rng, radius)
         shape = Sphere(size) if rng.random() < 0.5 else Box((size, size, size))

@@ -1,4 +1,4 @@
-"""Balls in free flight: thrown over a shelf, falling among what falls, or coming late."""
+"""Balls in free flight: thrown over a shelf, falling among other bodies, or coming late."""
 
 from __future__ import annotations
 
@@ -46,9 +46,9 @@ class ThrownFamily(family.SpatialFamily):
 
 @dataclass(frozen=True)
 class OverShelfSpace(ThrownFamily):
-    """A ball is thrown over a shelf that the arm is under; it has to be caught before it lands.
+    """A ball thrown over a shelf above the arm, to be caught before the ball lands.
 
-    It asks for a way round the shelf: past its end at the arm's side, or drawn in before its edge.
+    The arm has to go round the shelf: past its end at the arm's side, or drawn in before its edge.
     """
 
     name = "over-shelf-space"
@@ -66,7 +66,7 @@ class OverShelfSpace(ThrownFamily):
     """Share of shelves on a wall at that side, round which there is no way."""
 
     def story(self, rng: np.random.Generator, stage: SpaceStage) -> family.SpaceStory:
-        """A thrown ball, a shelf, perhaps a wall at its side."""
+        """Draw a thrown ball, a shelf, and perhaps a wall at the shelf's side."""
         height = ranges.pick(rng, self.height)
         edge = ranges.pick(rng, self.edge) + (
             stage.thickness if abs(height) < 2 * stage.thickness else 0
@@ -88,7 +88,7 @@ class OverShelfSpace(ThrownFamily):
     def _shelf(
         self, rng: np.random.Generator, stage: SpaceStage, height: float, edge: float
     ) -> tuple[Body, ...]:
-        """A board, and with it a wall or not."""
+        """Draw a shelf: a board, with or without a wall at its side."""
         depth, left, right = ranges.pick(rng, self.depth), ranges.pick(rng, self.side), -1.5
         place = (edge + 0.5 * depth, 0.5 * (left + right), height)
         board = solid("shelf", Box((0.5 * depth, 0.5 * (left - right), THIN)), place)
@@ -100,9 +100,9 @@ class OverShelfSpace(ThrownFamily):
 
 @dataclass(frozen=True)
 class LateTargetSpace(ThrownFamily):
-    """A thrown ball that is within reach for a moment; what is in its place leaves just before.
+    """A thrown ball within reach for a moment, at a place that another body leaves just before.
 
-    It asks to be near in time and to go in late: where the ball will be, nobody can wait for it.
+    The arm has to be near in time and to go in late: it cannot wait where the ball will be.
     """
 
     name = "late-target-space"
@@ -120,7 +120,7 @@ class LateTargetSpace(ThrownFamily):
     """Places on the way at which they stand, as shares of it."""
 
     def story(self, rng: np.random.Generator, stage: SpaceStage) -> family.SpaceStory:
-        """A thrown ball, what is in its place, what stands in the way."""
+        """Draw a thrown ball, perhaps a body that leaves the ball's place, and other obstacles."""
         way, when = stage.way(rng, self.takes), ranges.pick(rng, self.when) * stage.horizon
         bodies = [self.thrown_ball(rng, stage, way.meet, when)]
         if rng.random() < self.sentries:
@@ -158,7 +158,7 @@ class FallingSpace(family.SpatialFamily):
     things: family.Things = field(default_factory=lambda: family.Things(boards=0.4, bars=0.4))
 
     def story(self, rng: np.random.Generator, stage: SpaceStage) -> family.SpaceStory:
-        """A ball, shelves, what falls."""
+        """Draw a falling ball, with shelves and falling bodies."""
         way, when = stage.way(rng, self.takes), ranges.pick(rng, self.when) * stage.horizon
         velocity, pull = self._toss(rng, stage, when)
         bodies = [self.ball(rng, way.meet, when, velocity, pull)]
@@ -174,7 +174,7 @@ class FallingSpace(family.SpatialFamily):
     def _toss(
         self, rng: np.random.Generator, stage: SpaceStage, when: float
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Velocity (3,) at t = 0 of what falls at a time, and its acceleration."""
+        """Draw velocity (3,) at t = 0 and acceleration (3,) of a body that is falling at `when`."""
         angle, speed = ranges.pick_angle(rng), ranges.pick(rng, self.drift)
         pull = -stage.build.gravity * UP
         level = speed * np.array([math.cos(angle), math.sin(angle), 0.0])
@@ -210,7 +210,7 @@ def _lands(ball: Body, height: float, when: float) -> float:
 
 
 def _keeps_off(ball: Body, bodies: tuple[Body, ...], when: float) -> bool:
-    """Return whether a ball passes through nothing at rest shortly before its meeting."""
+    """Return whether a ball is clear of all resting bodies shortly before its meeting."""
     times = np.linspace(max(when - SEEN, 0.0), when, 12)[:, None]
     motion = flight(ball)
     p, v, a = (np.array(x) for x in (motion.position, motion.velocity, motion.acceleration))
@@ -242,7 +242,7 @@ class SequenceSpace(family.SpatialFamily):
     """Places on that way at which they stand, as shares of it."""
 
     def story(self, rng: np.random.Generator, stage: SpaceStage) -> family.SpaceStory:
-        """All balls, each with a place of its own to be caught, and what stands in the way."""
+        """Draw all balls, each with its own place to be caught, and obstacles in the way."""
         way = stage.way(rng, self.takes)
         bodies = [self._passing(rng, stage, way, way.takes)]
         for k in range(1, ranges.pick_count(rng, self.targets)):

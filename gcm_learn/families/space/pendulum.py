@@ -17,10 +17,10 @@ from gcm_learn.situation import Body
 
 @dataclass(frozen=True)
 class PendulumSpace(SpatialFamily):
-    """The ball is the target, its cord an obstacle; heavy balls on cords swing across the way.
+    """A target ball on a cord, which is an obstacle; heavy balls on cords swing across the way.
 
-    It asks for a hand that meets the ball from below or beside, with the limb off the cord. It
-    also asks for a way round the other bodies, or after them.
+    The hand has to meet the ball from below or beside, with the limb off the cord. The arm has to
+    go round the other bodies, or after them.
     """
 
     name = "pendulum-space"
@@ -53,7 +53,7 @@ class PendulumSpace(SpatialFamily):
     """Places of obstacles on the way, as shares of it."""
 
     def story(self, rng: np.random.Generator, stage: SpaceStage) -> SpaceStory:
-        """A ball on a cord, other pendulums, what is in the way."""
+        """Draw a ball on a cord, other pendulums, and obstacles in the way."""
         way, when = stage.way(rng, self.takes), ranges.pick(rng, self.when) * stage.horizon
         bodies = list(
             self._pair(rng, stage, way.meet, when, ranges.pick(rng, self.target), "target", "")
@@ -79,7 +79,7 @@ class PendulumSpace(SpatialFamily):
         name: str,
         number: str,
     ) -> tuple[Body, Body]:
-        """A ball that is at a place (3,) at a time, and its cord."""
+        """Draw a ball that is at a place (3,) at time `when`, and its cord."""
         length, amplitude = ranges.pick(rng, self.length), ranges.pick(rng, self.amplitude)
         angle, heading = ranges.pick(rng, self.phase) * amplitude, ranges.pick_angle(rng)
         stiffness = stage.build.gravity / length

@@ -152,7 +152,7 @@ def stage_of(rng: np.random.Generator, build: Build, horizon: float, torso: bool
 
 
 def _torso(rng: np.random.Generator, build: Build) -> Body:
-    """An upright capsule on the arm's other side; the shoulder stays a little off it."""
+    """Draw the torso: an upright capsule on the arm's other side, a little off the shoulder."""
     aside, thickness = build.aside / build.unit, build.thickness / build.unit
     radius = max(aside - thickness - pick(rng, TIGHT), 0.1)
     shape = Capsule(radius, 0.5 * (NECK - HIP))
@@ -160,7 +160,7 @@ def _torso(rng: np.random.Generator, build: Build) -> Body:
 
 
 def _one(rng: np.random.Generator, allowed: np.ndarray | None, count: int) -> int:
-    """One of those that are allowed; of all if none is."""
+    """Draw an index that is allowed, or any of `count` if none is allowed."""
     if allowed is None or not allowed.any():
         return int(rng.integers(count))
     return int(rng.choice(np.flatnonzero(allowed)))

@@ -35,12 +35,12 @@ class Wall(NamedTuple):
     """Half its height."""
 
     def board(self, name: str, u: float, v: float, w: float, wide: float, high: float) -> Body:
-        """A board parallel to the wall, its middle at (u, v, w) in the wall's axes."""
+        """Return a board parallel to the wall, its middle at (u, v, w) in the wall's axes."""
         place = self.middle + self.axes @ (u, v, w)
         return solids.solid(name, Box((wide, high, THICK)), place, self.axes)
 
     def boards(self) -> tuple[Body, ...]:
-        """The wall: boards to both sides of the opening, over and under it."""
+        """Return the wall's boards: to both sides of the opening, over and under it."""
         half = 0.5 * EXTENT
         u, v = self.wide + half, self.high + half
         return (
@@ -84,12 +84,12 @@ class WallFamily(SpatialFamily):
     def shut(
         self, rng: np.random.Generator, stage: SpaceStage, wall: Wall, way: SpaceWay, opens: float
     ) -> tuple[tuple[Body, ...], float]:
-        """Return the bodies that shut the opening, and when the limb can be in it [s]."""
+        """Return the bodies that shut the opening, and a time when the limb can be in it [s]."""
 
     def _wall(
         self, rng: np.random.Generator, stage: SpaceStage, past: float
     ) -> tuple[SpaceWay, Wall]:
-        """A wall, a start before it and an end `past` it, whose forearm is in the opening."""
+        """Draw a way through a wall to a hand at least `past` behind it, and the wall."""
         heading, slope = pick(rng, self.heading), pick(rng, self.slope)
         level = np.array([math.cos(heading), math.sin(heading), 0.0])
         normal = math.cos(slope) * level + math.sin(slope) * solids.UP
@@ -113,10 +113,10 @@ class WallFamily(SpatialFamily):
 
 @dataclass(frozen=True)
 class WindowSpace(WallFamily):
-    """A ball behind a wall with a window; a shutter closes it, or opens it late.
+    """A ball behind a wall with a window; a shutter closes the window, or opens it late.
 
-    It asks for the forearm to be led through the window, in time; or to stay before it until the
-    shutter has gone, which no first arrival does.
+    The forearm has to go through the window in time, or to stay before it until the shutter has
+    gone, which no first arrival does.
     """
 
     name = "window-space"
@@ -149,7 +149,7 @@ class WindowSpace(WallFamily):
 class DoorSpace(WallFamily):
     """A ball behind a wall with a doorway; its door swings open, away from the arm.
 
-    It asks for patience: nobody gets through before the door is half open.
+    The arm has to wait: it cannot get through before the door is half open.
     """
 
     name = "door-space"
@@ -158,10 +158,10 @@ class DoorSpace(WallFamily):
     def shut(
         self, rng: np.random.Generator, stage: SpaceStage, wall: Wall, way: SpaceWay, opens: float
     ) -> tuple[tuple[Body, ...], float]:
-        """A board on a hinge at one side of the doorway, slow at first, as damped springs are.
+        """Draw a door on a hinge at one side of the doorway, slow at first like a damped spring.
 
-        Its angle a follows a' = k sin(a), which is what a strongly damped pendulum does that hangs
-        upside down; it stops at half a turn.
+        Its angle a follows a' = k sin(a), like a strongly damped pendulum that starts upside down;
+        it stops at half a turn.
         """
         k, side = int(rng.integers(2)), pick_sign(rng)
         sizes = (wall.wide + THICK, wall.high + THICK)

@@ -1,4 +1,4 @@
-"""Work in a copy of the process, which may crash or hang without taking this one with it."""
+"""Work in a forked copy of the process, so that a crash or hang spares the original."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class _Failed:
 
 
 def told(work: Callable[[Tell], None], longest: float) -> tuple[list[Any], bool]:
-    """Run `work` in a forked copy of this process and collect what it sends.
+    """Run `work` in a forked copy of this process and collect the things that it sends.
 
     Parameters
     ----------
@@ -69,7 +69,7 @@ def told(work: Callable[[Tell], None], longest: float) -> tuple[list[Any], bool]
 
 
 def _work_and_leave(work: Callable[[Tell], None], write: int, longest: float) -> NoReturn:
-    """Do the work of the copy; leave without the clearing up that is its original's."""
+    """Run `work` in the forked copy, then exit without the original's cleanup."""
     try:
         faulthandler.disable()  # crashes are expected and no news
         signal.signal(signal.SIGINT, signal.SIG_IGN)  # the original hears it, and ends this

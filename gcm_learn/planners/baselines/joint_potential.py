@@ -115,7 +115,7 @@ def descend_in_space(study, field, points):
 
 
 def potential_plan(problem: JointProblem, influence: float, gain: float) -> Plan:
-    """Roll the field out in the known world and verify what comes of it."""
+    """Follow the potential field in the known world and verify the resulting movement."""
     study = problem.study
     points = np.empty((STEPS + 1, study.goal.size))
     count = descend_in_space(study, SpatialField(influence, gain), points)

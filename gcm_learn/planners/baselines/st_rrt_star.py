@@ -57,7 +57,7 @@ Improvement = tuple[float, np.ndarray]  # when it was found [ms], and x, y and t
 
 @dataclass(frozen=True)
 class STRRTStarPlanner:
-    """ST-RRT* of OMPL 1.7, its goals along the predicted interceptions.
+    """ST-RRT* of OMPL 1.7, with goals along the predicted interceptions.
 
     In the plane states are hand and time, and the elbow keeps its side.  Otherwise they are joints
     and time, each joint in units of what it turns in a second.  A goal is an instant and a place
@@ -86,7 +86,7 @@ class STRRTStarPlanner:
         return _BY_KIND.takes(kind)
 
     def __post_init__(self) -> None:
-        """Tell at once if OMPL is missing, or a system on which it can be kept apart."""
+        """Raise at once if OMPL is missing, or cannot run in a copy of the process here."""
         if not isolation.POSSIBLE:
             raise PlatformError("st-rrt-star", "a POSIX system, such as Linux or macOS")
         _library()
@@ -112,7 +112,7 @@ class STRRTStarPlanner:
     def plan_anytime(
         self, situation: AnySituation, budgets_ms: Sequence[float] = (10.0, 100.0, 1000.0)
     ) -> Any:
-        """Answer a situation once for each budget, from one run with the largest.
+        """Return a plan for each budget, all from one run with the largest budget.
 
         The planner only ever improves its path.  So its path at some time is the result of a run
         that ends there.  `planning_ms` is that of such a run, without copying the process.
@@ -155,7 +155,7 @@ def _library() -> ModuleType:
 
 @lru_cache(maxsize=1)
 def _warmed() -> ModuleType:
-    """Return the module with everything loaded; else every copy of the process would load it."""
+    """Return the search module fully loaded, so that copies of the process need not load it."""
     library = _library()
     library.warm_up()
     return library
@@ -199,7 +199,7 @@ def _best(problem: completion.Task, attempts: Iterable[completion.Attempt | None
 def _finished(
     problem: completion.Problem, paths: list[np.ndarray]
 ) -> Iterator[completion.Attempt | None]:
-    """Paths between states (n, 3), each on to a target, the last one first."""
+    """Return an attempt, or None, for each path between states (n, 3), the last path first."""
     return (completion.finish(problem, *_sampled(path)) for path in reversed(paths))
 
 
@@ -214,7 +214,7 @@ def _sampled(path: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def task_of(problem: completion.Problem, seed: int, budget_ms: float, iterations: int) -> HandTask:
-    """Return the search space for a planar arm, and how long to search it."""
+    """Return the search space and the search budget for a planar arm."""
     situation, arm, scene = problem.situation, problem.situation.arm, problem.scene
     rules = problem.rules._replace(speed=arm.max_hand_speed)
     t, *_ = motion.first_interception(

@@ -50,7 +50,7 @@ def leg_holds_in_space(study, q, since, p, until):
 
 @njit(_nrt=False)
 def draw_posture(study, since, until, chances, q):
-    """Draw an interception: an instant, and joints (dof,) whose hand is then on a target, into q.
+    """Draw an interception: an instant, and into q the joints (dof,) with the hand on a target.
 
     Parameters
     ----------
@@ -171,7 +171,7 @@ _DRAWINGS: ByKind[Drawing] = ByKind(
 
 @dataclass(frozen=True)
 class JointTask:
-    """Task of the search and its budget."""
+    """Task of a search in joints and time: goals, legs and the search's budget."""
 
     study: Study
     unhindered: float
@@ -203,13 +203,13 @@ class JointTask:
 
     @property
     def bounds(self) -> tuple[tuple[float, float], ...]:
-        """Lowest and highest places of each joint that it may come to before the horizon."""
+        """Lowest and highest places that each joint can reach before the horizon."""
         limb, rate, end = self.scene.limb, self.scene.limits.joint_speed, self.scene.limits.horizon
         ends = zip(limb.low / rate, limb.high / rate, self.start, strict=True)
         return tuple((max(a, s - end) - _SLACK, min(b, s + end) + _SLACK) for a, b, s in ends)
 
     def joints(self, place: Sequence[float]) -> np.ndarray:
-        """Joints (dof,) of a place; those at t = 0 to the bit."""
+        """Return the joints (dof,) of a place; for the start exactly the joints at t = 0."""
         limb, rate = self.scene.limb, self.scene.limits.joint_speed
         here = np.array([place[j] for j in range(limb.start.size)])
         if (here == self.start).all():

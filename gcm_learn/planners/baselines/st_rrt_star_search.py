@@ -1,4 +1,4 @@
-"""ST-RRT* of OMPL over places and time: it needs ompl, and is imported only by its planner.
+"""ST-RRT* of OMPL over places and time; only its planner imports this module, which needs ompl.
 
 OMPL's planner knows goals that stand still: it asks for a goal's place and draws its time itself.
 Ours exist for an instant only, so places and times are drawn together.  The time that OMPL had
@@ -106,7 +106,7 @@ class Search:
 
 
 class _Goals(base.GoalSampleableRegion):  # type: ignore[misc]
-    """Interceptions: places, each with its own instant."""
+    """Goal region of interceptions: drawn places, each with its own instant."""
 
     def __init__(self, information: Any, search: Search) -> None:
         super().__init__(information)
@@ -184,7 +184,7 @@ def _space(task: SpaceTime) -> Any:
 
 
 def warm_up() -> None:
-    """Load what a search needs, by one that finds no goal."""
+    """Load all code that a search needs, by a search that finds no goal."""
     still = PlanarQuadratic((9.0, 0.0), (0.0, 0.0), (0.0, 0.0))
     away, post = (Body(role, role, Disc(0.1), still) for role in ("target", "obstacle"))
     scene = pack(Situation("warm", 1.0, Arm((1.0, 0.0), 3.0), (away, post)))

@@ -1,4 +1,4 @@
-"""Pick and place: a catch, and then the way of what was caught to its place."""
+"""Pick and place: a catch, then a carry of the caught target to its place."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def has_place(situation: AnySituation, plan: Plan) -> bool:
 def carried(
     problem: JointProblem, plan: Plan, crossing: float, solved: Callable[[int, Any], Plan]
 ) -> Plan:
-    """Return a plan that goes on from its hold until the target is placed.
+    """Extend a plan from the end of its hold until the target is placed.
 
     Parameters
     ----------
@@ -70,7 +70,7 @@ def carried(
 
 
 def _joined(problem: JointProblem, plan: Plan, carry: Carry, way: Plan) -> Plan | None:
-    """Return the verified plan of a hold and a carry, if it passes."""
+    """Join a hold and a carry to one plan; None if the whole movement fails verification."""
     held, moves, after = carry.held, carry.moves.until(carry.held), way.trajectory
     assert after is not None and moves.rates is not None and after.rates is not None
     whole = Movement(

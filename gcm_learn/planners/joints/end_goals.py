@@ -26,7 +26,7 @@ DRAWS = 8  # of instants until a target is slow enough
 
 @njit(_nrt=False)
 def _instant(study, trees, ends, horizon):
-    """Draw a target and an instant, rather late, and rather when it is slow."""
+    """Draw a target and an instant, preferring late instants and slow targets."""
     laws, limits = study.scene.bodies, study.scene.limits
     slow = SLOW * hand_bound(study.scene.limb, limits.joint_speed)
     for _ in range(DRAWS):
@@ -58,7 +58,7 @@ def draw_end(ends, study, trees, horizon):
 
 @njit(_nrt=False)
 def end_at(ends, study, trees, b, t):
-    """Pull the drawn posture to target b, which is caught at t [s], and make an end of it.
+    """Pull the drawn posture to target b, caught at t [s], and add the movement's end as a root.
 
     Returns
     -------

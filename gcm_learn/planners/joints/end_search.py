@@ -24,7 +24,7 @@ ROOM = 1000
 
 
 class EndSearch:
-    """Trees whose roots are whole ends of movements; see `endings`."""
+    """Search by two trees; roots of the second are whole ends of movements, see `endings`."""
 
     def __init__(self, problem: JointProblem, seed: int) -> None:
         limits = problem.scene.limits
@@ -76,12 +76,12 @@ class EndSearch:
         return Failure.OUT_OF_TIME if self.problem.over else Failure.NO_TREE
 
     def _finished(self, way: JointWay) -> Plan | None:
-        """Return the verified plan of a way and its end, if it passes."""
+        """Return the plan of a way and its end; None if the movement fails verification."""
         attempt = self.attempt(way)
         return None if attempt is None else checked(self.problem, attempt)[0]
 
     def attempt(self, way: JointWay) -> Attempt | None:
-        """Return a way with its end as a movement that keeps the limit of jerk, if it can."""
+        """Return a way and its end as a movement within the limit of jerk; None if impossible."""
         moves = self._joined(way)
         e = int(way.body[0])
         catch = self.ends.span[e]
@@ -95,7 +95,7 @@ class EndSearch:
         return Attempt(moves, int(self.ends.body[e]), *map(float, catch))
 
     def _joined(self, way: JointWay) -> Movement:
-        """Return a way without needless postures, with its end and what goes before."""
+        """Join the start, a way without needless postures, and the way's end to one movement."""
         short, e, ends = new_way(self.study.goal.size), int(way.body[0]), self.ends
         shorten_ramped(self.study, way, self.trees.moves, GIVEN, short)
         time, joints, rates = ramped_samples(self.study, short, self.trees.moves)

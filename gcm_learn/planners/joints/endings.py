@@ -160,7 +160,7 @@ def _from_frame(ends, b, since):
 
 @njit(_nrt=False)
 def _follow(study, ends, e, b, since, until):
-    """Write the hold of end e: the sample at its end, -1 where limits of joints forbid it."""
+    """Write the hold of end e; return the hold's last sample, -1 if limits of joints forbid it."""
     scene, limits = study.scene, study.scene.limits
     limb, wanted, change = scene.limb, ends.wanted, ends.change
     steps = min(int(np.ceil((until - since) / STEP - 1e-9)), ends.time.shape[1] - FIRST - 5)
@@ -210,7 +210,7 @@ def _follow(study, ends, e, b, since, until):
 
 @njit(_nrt=False)
 def _pass_by(study, ends, e, t):
-    """Let end e go through the drawn posture at t [s] with its rates; its last sample."""
+    """Let end e pass the drawn posture at t [s] with the rates there; return the last sample."""
     q, v, half = ends.joints[e, FIRST], ends.rates[e, FIRST], ends.half
     ends.time[e, FIRST] = t - half
     if half == 0.0:
@@ -225,7 +225,7 @@ def _pass_by(study, ends, e, t):
 
 @njit(_nrt=False)
 def _piece_of(study, ends, e, i):
-    """Write the move between samples i and i + 1 of an end into the desk; how long it takes."""
+    """Write the move between samples i and i + 1 of end e into the desk; return its duration."""
     span = ends.time[e, i + 1] - ends.time[e, i]
     hermite(
         ends.joints[e, i], ends.rates[e, i], ends.joints[e, i + 1], ends.rates[e, i + 1], span,
@@ -247,7 +247,7 @@ def _piece_is_free(study, ends, e, i):
 
 @njit(_nrt=False)
 def _keeps_hold(study, ends, e, b, last):
-    """Return whether the hold of end e keeps its promises."""
+    """Return whether the hold of end e stays within the limits that target b sets for holds."""
     speed = study.scene.bodies.rows[b, bodies.HOLD_SPEED] * (1.0 - EASE)
     for i in range(FIRST, last):
         span, since = _piece_of(study, ends, e, i), ends.time[e, i]
@@ -281,7 +281,7 @@ def _rest_after(ends, e, i, m, span):
 
 @njit(_nrt=False)
 def _stopped(study, trees, ends, e, last):
-    """Append a free stop to an end after its sample `last`; its last sample, -1 without one."""
+    """Append a free stop to end e after sample `last`; return the new last sample, -1 if none."""
     limits, moves = study.scene.limits, trees.moves
     v, q, p = ends.rates[e, last], ends.joints[e, last], ends.joints[e, last + 4]
     if braking(limits, v, 1.0) < ramps.SHORTEST:
@@ -318,7 +318,7 @@ def _copy(ends, e, m, moves, i, since):
 
 @njit(_nrt=False)
 def _run_up(study, ends, e):
-    """Prepend a free move from rest to an end; its first sample, `FIRST` without one."""
+    """Prepend a free move from rest to end e; return the first sample, `FIRST` if none is free."""
     v, low, high = ends.rates[e, FIRST], study.scene.limb.low, study.scene.limb.high
     if braking(study.scene.limits, v, 1.0) < ramps.SHORTEST:
         return FIRST

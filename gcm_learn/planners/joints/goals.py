@@ -18,7 +18,7 @@ RIM = 1e-6  # share of the reach that is not used
 
 @njit(_nrt=False)
 def place_on(study, b, t, which):
-    """A place of body b at t [s], put back within reach: its centre, or about its nearest point.
+    """Return a place of body b at t [s], within reach: the centre, or about the nearest point.
 
     The nearest point of a solid lies against the slope of the distance to it.
 
@@ -76,19 +76,19 @@ def reach(study, q, since, until, p, t):
 
 @njit(_nrt=False)
 def earlier(study, q, since, b, p, t):
-    """Make a straight move from joints q (dof,) catch body b before t [s], as early as it can.
+    """Find the earliest straight move from joints q (dof,) that catches body b before t [s].
 
     Parameters
     ----------
     since : float
         When the limb is at q [s].
     p : (dof,) ndarray
-        Where the move ends; changed to where it ends then.
+        Joints at the end of the move; overwritten by those of the earlier move.
 
     Returns
     -------
     float
-        When it ends: it begins at `since` if that is before t [s].
+        End of the move; a move that ends before t begins at `since` [s].
     """
     low, goal = since, study.goal
     for _ in range(HALVINGS):

@@ -42,7 +42,7 @@ def _across(toward, spin):
 
 @njit(_nrt=False)
 def want(study, ends, b, t, place, share):
-    """Write the target's velocity at `place` (3), `share` of it, and what turns; after `look`."""
+    """Write a share of the target's velocity at `place` (3), and its turning; call after `look`."""
     laws, wanted = study.scene.bodies, ends.wanted
     p = bodies.piece_at(laws, b, t) if laws.rows[b, bodies.PIECES] > 0.0 else 0
     ux, uy, uz = bodies.velocity_by(laws, b, p, t, place)
@@ -54,7 +54,7 @@ def want(study, ends, b, t, place, share):
 
 @njit(_nrt=False)
 def least_rates(ends, weights, soft, out):
-    """Write the least rates, in units of `weights`, that give the hand what is wanted.
+    """Write the least rates, in units of `weights`, that move the hand as ``ends.wanted`` says.
 
     Minimises the sum of (rate / weight)^2; rows of direction are damped, and are let go where
     joints are at their limits (Whitney 1969, Nakamura and Hanafusa 1986).

@@ -1,4 +1,4 @@
-"""Marching in space: a front over the hand's cells, its map, and the way that it came."""
+"""Marching in space: a front over the hand's cells, its map, and the way the front came."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ BACK = (0, 1, 2, 4, 8, 16)
 
 @dataclass(frozen=True)
 class HandMarching:
-    """Marching over cells of the hand, each with the one posture that the front found.
+    """Marching over cells of the hand; each cell has the one posture that the front found.
 
     A cell can be missed that only another posture can enter.  The approach of a target is asked at
     the end only.  Under limits of acceleration there is no answer.
@@ -65,7 +65,7 @@ class HandMarching:
 
 
 def kept(problem: JointProblem) -> Scene:
-    """The scene with a limb so thick that what it keeps is surely verified."""
+    """Return the scene with a thicker limb, so that its free moves surely pass verification."""
     scene = problem.scene
     return scene._replace(limb=scene.limb._replace(thickness=problem.rules.touch))
 
@@ -73,7 +73,7 @@ def kept(problem: JointProblem) -> Scene:
 def followed(
     problem: JointProblem, study: Study, found: CognitiveMap
 ) -> tuple[Plan | None, Reason | None]:
-    """The way to a map's interception, made shorter and ended on the target, or why it fails.
+    """Follow a map to its interception; return the plan of the shortened way, or the reason.
 
     Parameters
     ----------
@@ -100,7 +100,7 @@ def followed(
 
 
 def meetings(problem: JointProblem, found: CognitiveMap) -> Iterator[CognitiveMap]:
-    """Yield a map with its interception, then with others in order of time, CONTACTS in all."""
+    """Yield a map with its interception, then with those at CONTACTS - 1 other cells, by time."""
     if found.interception is None:
         return
     yield found
@@ -133,7 +133,7 @@ def lay(study: Study, joints: np.ndarray, times: np.ndarray, way: ways.JointWay)
 def end(
     study: Study, way: ways.JointWay, last: int, body: int, wanted: float, later: float
 ) -> bool:
-    """Let a way end on a body by a straight move from one of its postures.
+    """End a way on a body by a straight move from posture `last` of the way.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Trees in joints and time, one from the start and one from postures that catch.
+"""Two trees in joints and time: from the start, and from postures that catch.
 
 A node is a posture with the time at which the limb is there.  The first tree grows forwards by free
 moves, the second backwards; a free move from one to the other is a way to a catch.  The idea is
@@ -44,15 +44,15 @@ RARE = 3  # draws that may fail in place of one, while there is no goal
 
 @njit(_nrt=False, forceinline=True)
 def ends_free(trees, tree, k):
-    """Return whether a movement may end at node k with any rates: it is a catch by a touch."""
+    """Return whether node k is a catch by a touch, where a movement may end with any rates."""
     return tree == FROM_CATCH and trees.via[tree, k] < 0 and trees.free[tree, k] == END_FREE
 
 
 @njit(_nrt=False)
 def _draw_state(study, trees, horizon, bias):
-    """Draw a posture that the start can reach, into ``trees.drawn``, and a time for it [s].
+    """Draw a posture that the start can reach into ``trees.drawn``; return a time for it [s].
 
-    A share of them, `bias`, are those of the other tree.
+    A share `bias` of the draws are nodes of the other tree.
     """
     limb, q = study.scene.limb, trees.drawn
     if bias > 0.0 and trees.size[FROM_CATCH] > 0 and uniform(trees) < bias:
@@ -73,7 +73,7 @@ def _draw_state(study, trees, horizon, bias):
 
 @njit(_nrt=False)
 def _nearest(study, trees, tree, q, t, worse):
-    """Node of a tree from or to which a move to q (n,) at t [s] is quickest, and its time.
+    """Find the tree's node with the quickest move to or from q (n,) at t [s]; also its time.
 
     Parameters
     ----------
@@ -181,7 +181,7 @@ def _grown_backward(study, trees, bias):
 
 @njit(_nrt=False)
 def connected(study, trees, tree, k):
-    """Find a node of the other tree to which node k has a free move: its number, or -1.
+    """Find a node of the other tree to which node k has a free move; return its number, or -1.
 
     The ends of that move are in ``trees.ends``.
     """
@@ -291,7 +291,7 @@ def hastened(ends, study, trees, tries, way):
 
 @njit
 def trace(trees, first, second, way):
-    """Write the way through node `first` of the one tree and `second` of the other.
+    """Write the way through node `first` of the first tree and node `second` of the second.
 
     The move between them is in ``trees.ends``.
     """

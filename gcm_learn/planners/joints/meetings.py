@@ -62,7 +62,7 @@ def first_met(study, b, times, goals):
 
 @njit(_nrt=False)
 def meets(study, b, t, q):
-    """Turn a drawn posture until it catches body b at t [s]; return whether it does.
+    """Turn a drawn posture until the hand catches body b at t [s]; return whether it does.
 
     Parameters
     ----------

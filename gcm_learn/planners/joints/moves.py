@@ -47,7 +47,7 @@ class Study(NamedTuple):
 
 @njit
 def study_of(scene, rules):
-    """Get ready to plan for a `Scene` by its `Rules`."""
+    """Return the `Study` of a `Scene` and its `Rules`, with new scratch arrays."""
     n = dof(scene.limb)
     return Study(
         scene, rules.touch, rules.catch, rules.instant,
@@ -59,7 +59,7 @@ def study_of(scene, rules):
 
 @njit(_nrt=False)
 def turning_time(rate, q, p):
-    """Time in which joints whose speeds are `rate` (n,) turn from q to p (n,) [s]."""
+    """Return the time in which joints at speeds `rate` (n,) turn from q to p (n,) [s]."""
     most = 0.0
     for j in range(rate.size):
         most = max(most, abs(p[j] - q[j]) / rate[j])
@@ -68,7 +68,7 @@ def turning_time(rate, q, p):
 
 @njit(_nrt=False)
 def time_of(study, q, p):
-    """Least time of the move from q to p (n,), whose pieces are left in ``study.pace``.
+    """Return the least time of the move from q to p (n,); write its pieces' ends to ``study.pace``.
 
     Returns
     -------
@@ -108,7 +108,7 @@ def between(q, p, share, out):
 
 @njit(_nrt=False)
 def timed_move_is_free(study, q, since, p, until, pieces):
-    """Return whether the last timed move is free, if it begins and ends when it should."""
+    """Return whether the move timed last is free if it lasts from `since` to `until` [s]."""
     if pieces == 1:
         return move_is_free(study.scene, q, since, p, until, study.touch, study.desk)
     stretch = (until - since) / study.pace[pieces - 1]

@@ -28,7 +28,7 @@ def slope_at(study, b, x, y, z, t):
 
 @njit(_nrt=False)
 def _slope(study, b, x, y, z):
-    """Slope of the signed distance to body b, whose pose is known, by differences."""
+    """Return the slope of the signed distance to body b in its known pose, by differences."""
     bodies, poses, probe = study.scene.bodies, study.desk.poses, PROBE * study.scene.limb.length
     nx = point_distance(bodies, poses, b, x + probe, y, z)
     nx -= point_distance(bodies, poses, b, x - probe, y, z)
@@ -110,7 +110,7 @@ def _pulled_along(study, b, t, q):
 
 @njit(_nrt=False)
 def _turn_wanted(study, where, q, b, i, t):
-    """Angle by which the hand has to turn to approach i of body b; its slope into `slopes`."""
+    """Return the angle to turn the hand to approach i of body b; write its slope to `slopes`."""
     scene = study.scene
     within = scene.bodies.rows[b, WITHIN + i * SECOND]
     axis = joint_interception.approach_axis(scene, b, i, t, study.desk.poses)
@@ -127,9 +127,9 @@ def _turn_wanted(study, where, q, b, i, t):
 
 @njit(_nrt=False)
 def _stepped(study, count, q):
-    """Lessen distance and angles, `count` together, by a step of joints q (n,); if there is one.
+    """Step joints q (n,) to lessen distance and angles, `count` in all; False without a step.
 
-    They are in column 6 of ``study.system``, their slopes in the first rows of ``study.slopes``.
+    Both are in column 6 of ``study.system``, their slopes in the first rows of ``study.slopes``.
     """
     low, high, n, rate = study.low, study.high, q.size, study.scene.limits.joint_speed
     slopes, system, free, step = study.slopes, study.system, study.slopes[3], study.slopes[4]

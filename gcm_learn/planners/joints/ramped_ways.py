@@ -17,7 +17,7 @@ HALVINGS = 10  # of the time by which a catch may become earlier
 
 @njit(_nrt=False)
 def _leap(study, way, k, since, m, moves):
-    """Go from posture k of a way, left at `since`, to posture m: when it is reached [s].
+    """Go from posture k of a way, left at `since`, to posture m; return the arrival [s].
 
     The way from there on remains as it was.  -1 if the move is not free.
     """
@@ -73,7 +73,7 @@ def shorten_ramped(study, way, moves, free, out):
 
 @njit(_nrt=False)
 def hasten_ramped(study, way, moves):
-    """Let the last move of a way catch as early as it can."""
+    """Make the catch by a way's last move as early as possible."""
     k, scene, goal = way.size[0] - 2, study.scene, study.goal
     q, r, p, since = way.joints[k], way.rates[k], way.joints[k + 1], way.reached[k]
     low, t = since, way.left[k + 1]

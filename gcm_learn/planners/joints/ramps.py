@@ -22,7 +22,7 @@ SHORTEST = 1e-9  # a piece that takes less is left out [s]
 
 
 class Ramp(NamedTuple):
-    """Samples of a move: it is quadratic in time between them."""
+    """Samples of a move that is quadratic in time between samples."""
 
     joints: np.ndarray  # (4, n) [rad]
     rates: np.ndarray  # (4, n) [rad/s]
@@ -129,7 +129,7 @@ def ramp(limits, q, r, p, v, span, free, out):
 
 @njit(_nrt=False)
 def least_ramp(limits, q, p, free):
-    """Least time of a move from rest at q to p (n,), at rest there unless its end is free [s]."""
+    """Return the least time of a move from rest at q to p (n,), to rest or to a `free` end [s]."""
     top, force, halves = 1e300, 1e300, 0.5 if free else 1.0
     for j in range(q.size):
         way = abs(p[j] - q[j])

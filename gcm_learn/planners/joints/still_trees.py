@@ -63,7 +63,7 @@ def _add(trees, tree, k):
 
 @njit(_nrt=False)
 def _met(study, trees, tree, node):
-    """Let a tree step towards a node of the other: its node that is next to that, or -1."""
+    """Step a tree towards `node` of the other tree; return the tree's node beside it, or -1."""
     goal = trees.joints[1 - tree, node]
     k, steps = _nearest(study, trees, tree, goal)
     while k >= 0 and _step(study, trees, tree, k, goal, 1.0 / steps):
@@ -75,7 +75,7 @@ def _met(study, trees, tree, node):
 
 @njit(_nrt=False)
 def draw_tree(trees):
-    """Draw the tree that grows next, mostly the smaller one."""
+    """Draw the tree that grows next, mostly the smaller tree."""
     smaller = FROM_START if trees.size[0] <= trees.size[1] else FROM_CATCH
     return smaller if uniform(trees) < BALANCE else 1 - smaller
 
@@ -122,7 +122,7 @@ def search_still(study, trees, rounds, horizon, way):
 
 @njit(_nrt=False)
 def timed(study, way):
-    """Give a way the times of its moves, without waits: when it ends [s]."""
+    """Write the times of a way's moves without waits; return the way's end [s]."""
     t = 0.0
     for k in range(way.size[0]):
         if k > 0:
@@ -144,7 +144,7 @@ def _cost(study, q, p, r):
 
 @njit(_nrt=False)
 def straighten(study, way):
-    """Draw inner postures of a way to lines between their neighbours, all joints or one by one."""
+    """Pull inner postures to lines between their neighbours, in all joints or joint by joint."""
     q, scene, touch, desk = study.goal, study.scene, study.touch, study.desk
     for turn in range(PASSES * (way.size[0] - 2)):
         k = 1 + turn % (way.size[0] - 2)

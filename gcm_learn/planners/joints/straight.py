@@ -67,7 +67,7 @@ def add_straight(study, goals, b, t, swivels):
 
 @njit
 def meet_straight(study, goals, t, swivels):
-    """Forget the goals that there are, and add those for all targets at t [s]; see above."""
+    """Replace the goals by postures that catch any target at t [s]; see `add_straight`."""
     scene, poses = study.scene, study.desk.poses
     limb, speed = scene.limb, joint_interception.fastest_hand(scene)
     far = reach_of(limb)
@@ -100,7 +100,7 @@ def hasten_straight(study, goals, before):
 
 @njit
 def straight_is_free(study, p, begin, end, until):
-    """Return whether the limb may wait, go straight from its start to joints p (dof,), and wait.
+    """Return whether a wait, a straight move from start to joints p (dof,), and a wait are free.
 
     Parameters
     ----------
@@ -129,7 +129,7 @@ def at_once(problem: JointProblem) -> Plan | None:
 
 
 def earliest_straight(problem: JointProblem) -> Plan:
-    """Go straight to the earliest interception, in any posture in which it can be met."""
+    """Plan a straight move to the earliest interception, to any posture that catches there."""
     plan, study = at_once(problem), problem.study
     if plan is not None:
         return plan
@@ -173,7 +173,7 @@ def _first_goals(study, goals, instants):
 def any_straight(
     problem: JointProblem, instants: int = INSTANTS, shares: tuple[float, ...] = ()
 ) -> Plan:
-    """The first straight line that catches, evenly fast or with waits at its ends.
+    """Plan by the first straight line that catches, evenly fast or with waits at its ends.
 
     Parameters
     ----------
@@ -204,7 +204,7 @@ def any_straight(
 
 
 def _meetings(study: Study, instants: int) -> Iterator[tuple[float, Goals]]:
-    """Instants up to the horizon, and the goals at each, which the next ones overwrite."""
+    """Yield instants up to the horizon with the goals at each; the next instant overwrites them."""
     goals = _room_for_goals(study)
     for k in range(1, instants + 1):
         t = study.scene.limits.horizon * (k / instants)

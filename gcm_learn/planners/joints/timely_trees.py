@@ -90,7 +90,7 @@ def _step(study, trees, tree, k, t, share, hasty):
 
 @njit(_nrt=False)
 def _met(study, trees, tree, node):
-    """Let a tree step towards a node of the other: its node with a move to that, or -1."""
+    """Step a tree towards `node` of the other; return the tree's node with a move to it, or -1."""
     q, t = study.goal, trees.time[1 - tree, node]
     for j in range(q.size):
         q[j] = trees.joints[1 - tree, node, j]

@@ -36,7 +36,7 @@ def any_target(study, trees):
 
 @njit(_nrt=False)
 def draw_near_start(study, trees, b, t):
-    """Draw a posture between the start and what is within reach until t [s], for target b."""
+    """Draw a posture for target b between the start and the joints within reach by t [s]."""
     q, start = trees.drawn, study.scene.limb.start
     box_by(trees.moves, study, t)
     near = 1.0 if uniform(trees) >= NEAR_START else uniform(trees)
@@ -62,7 +62,7 @@ def _turn_to(study, trees, b, t):
 
 @njit(_nrt=False)
 def draw_near(study, trees, joints, t, horizon):
-    """Draw a posture near others (n,) that catch at t [s]; its own time [s]."""
+    """Draw a posture near `joints` (n,), which catch at t [s]; return the new time [s]."""
     q, limb = trees.drawn, study.scene.limb
     wide = NEARBY * uniform(trees)
     t += wide * horizon * (2.0 * uniform(trees) - 1.0)
@@ -98,12 +98,12 @@ def draw_goal(study, trees, horizon):
 
 @njit(_nrt=False)
 def root_at(study, trees, b, t):
-    """Pull the drawn posture to body b at t [s], and add it as a root if it is free then.
+    """Pull the drawn posture to body b at t [s]; add the posture as a root if it is free.
 
     Returns
     -------
     int
-        Number of the root, -1 if it is not free.
+        Number of the root; -1 if the posture does not catch or is not free.
     """
     q = trees.drawn
     if not pulled(study, b, t, q) or not free_at(study.scene, q, t, study.touch, study.desk):

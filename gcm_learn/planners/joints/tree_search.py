@@ -143,7 +143,7 @@ class TreeSearch:
         return replace(plan, planning_ms=problem.elapsed_ms, nodes=problem.nodes)
 
     def placed(self, problem: JointProblem, plan: Plan) -> Plan:
-        """Return a plan that goes on until what it caught is in its place, if it has one."""
+        """Extend a plan until the caught target is in its place, if the target has a place."""
         if not plan.caught or not has_place(problem.situation, plan):
             return plan
         return carried(problem, plan, crossing(problem.situation.arm), self._with_rounds)
@@ -203,13 +203,13 @@ def _with_end(
 
 
 def search_in_space(effort: float = 1.0) -> TreeSearch:
-    """Return the search for spatial arms, with a share of the postures that it draws."""
+    """Return the search for spatial arms; `effort` scales the number of postures drawn."""
     rounds, patience = (max(round(effort * most), 1) for most in (ROUNDS, PATIENCE))
     return TreeSearch(rounds=rounds, patience=patience)
 
 
 def _stilled(problem: JointProblem, trees: Trees, way: JointWay, end: float) -> Plan | None:
-    """The way of a world at rest as a plan, drawn straight if it ends later than `end` [s]."""
+    """Make a plan of a way in a world at rest; straighten a way that ends after `end` [s]."""
     study, short = problem.study, new_way(problem.study.goal.size)
     timed(study, way)
     shorten(study, way, short)
@@ -219,9 +219,9 @@ def _stilled(problem: JointProblem, trees: Trees, way: JointWay, end: float) -> 
 
 
 def _finished(problem: JointProblem, moves: Any, way: JointWay, end: float) -> Plan | None:
-    """The way as a plan without needless postures, its catch made earlier.
+    """Make a plan of a way, without needless postures and with an earlier catch.
 
-    None if it is broken, or later than `end` [s].
+    None if verification fails, or the way ends later than `end` [s].
     """
     study, short = problem.study, new_way(problem.study.goal.size)
     samples: tuple[np.ndarray, ...]

@@ -13,7 +13,7 @@ from gcm_learn.planners.joints.tree_moves import FROM_CATCH, FROM_START, LINES, 
 
 
 class Trees(NamedTuple):
-    """Both trees of a search, and its random numbers."""
+    """Both trees of a search, and the state of the search's random numbers."""
 
     moves: Lines | Ramp  # their kind, and room for one
     joints: np.ndarray  # (2, size, n)
@@ -79,7 +79,7 @@ def uniform(trees):
 
 @njit(_nrt=False)
 def add_node(trees, tree, q, rates, time, free, via, body):
-    """Add a node to a tree, by the move of ``trees.ends``: its number, -1 if the tree is full."""
+    """Add a node to a tree by the move of ``trees.ends``; return its number, -1 if full."""
     k = trees.size[tree]
     if k == trees.time.shape[1]:
         return -1

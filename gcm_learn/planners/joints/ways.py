@@ -51,7 +51,7 @@ def write(way, k, q, reached, left):
 
 @njit(_nrt=False)
 def write_rates(way, k, rates, free):
-    """Note rates (dof,) at posture k, and which rates of the move after it were free."""
+    """Write the rates (dof,) at posture k, and which rates of the next move were free."""
     for j in range(rates.size):
         way.rates[k, j] = rates[j]
     way.free[k] = free
@@ -59,9 +59,9 @@ def write_rates(way, k, rates, free):
 
 @njit(_nrt=False)
 def _leap(study, way, k, since, m):
-    """Go straight from posture k of a way, left at `since`, to posture m: when it is reached.
+    """Go straight from posture k of a way, left at `since`, to posture m; return the arrival.
 
-    The limb stays there until it did before, so that what comes then remains as it was. -1 if that
+    The limb waits at m for the former arrival, so that the rest of the way remains. -1 if that
     is not free.
     """
     q, p = way.joints[k], way.joints[m]
@@ -79,7 +79,7 @@ def _leap(study, way, k, since, m):
 
 @njit(_nrt=False)
 def shorten(study, way, out):
-    """Leave out postures that are not needed, the farthest first, and catch as early as one can."""
+    """Leave out needless postures of a way, the farthest first, and write the rest to `out`."""
     k, since, n = 0, 0.0, 0
     last, end = way.size[0] - 1, way.left[way.size[0] - 1]
     out.body[0] = way.body[0]
@@ -104,7 +104,7 @@ def shorten(study, way, out):
 
 @njit(_nrt=False)
 def hasten(study, way):
-    """Let the last move of a way catch as early as it can."""
+    """Make the catch by a way's last move as early as possible."""
     k = way.size[0] - 2
     since, end = way.reached[k], way.left[k + 1]
     t = earlier(study, way.joints[k], since, way.body[0], way.joints[k + 1], end)
@@ -156,7 +156,7 @@ def samples_of(study, way):
 
 @njit(_nrt=False)
 def _append(time, joints, n, q, t):
-    """Add a sample unless it has the time of the last one; their number."""
+    """Append a sample that is later than the last; return the number of samples."""
     if t <= time[n - 1]:
         return n
     time[n] = t

@@ -65,7 +65,7 @@ class Bounds:
 
 @dataclass(frozen=True)
 class OraclePlanner:
-    """The plan behind the upper bound; slow, and as near to optimal as its finest lattice."""
+    """Planner with the upper bound's plan; slow, and as near to optimal as its finest lattice."""
 
     name: str = "oracle"
     sizes: tuple[int, ...] = SIZES
@@ -131,7 +131,7 @@ def bounds(
 
 
 def stratum(situation: AnySituation, known: Bounds | Yardstick | None = None) -> Stratum:
-    """Classify a situation by what a catch takes; in space, see `yardstick`.
+    """Classify a situation by the movement that a catch needs; in space, see `yardstick`.
 
     - **L**, straight line: the planner `straight` catches.
     - **W**, way round: other than L, a first arrival catches.  Either the planner `marching` does,
@@ -205,7 +205,7 @@ def earliest_catch(
 
 
 def _time(plan: Plan) -> float:
-    """Catch time of a plan, infinite if it catches nothing [s]."""
+    """Return the catch time of a plan [s]; infinite without a catch."""
     return math.inf if plan.catch_time is None else plan.catch_time
 
 
@@ -232,7 +232,7 @@ def _unhindered(problem: Problem) -> float:
 
 
 def _refined(problem: Problem, n: int, known: Bounds) -> Bounds:
-    """Both bounds on a lattice of n x n cells, given what is known."""
+    """Refine both known bounds on a lattice of n x n cells."""
     lower, upper, plan = known.lower, known.upper, known.plan
     outer = ReachableSet(problem, n, exact=False, before=upper)
     if outer.sound:
@@ -291,7 +291,7 @@ def _dashes(
     left: np.ndarray,
     end: float,
 ) -> Iterator[Dash]:
-    """Find the dashes from all stops: on arrival, or after the wait of the path as it was."""
+    """Yield dashes from all stops: at arrival on the tight path, or after waits of the original."""
     regime = inner.regime
     for k, (x, y) in enumerate(stops):
         chances = [(arrival[k], True)]
@@ -306,7 +306,7 @@ def _dashes(
 def _sampled(
     came: np.ndarray, left: np.ndarray, stops: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Times (m,) and hands (m, 2), at least two, of a path with waits at its stops."""
+    """Sample a path with waits at its stops: times (m,) and hands (m, 2), at least two."""
     time, hand = [came[:1], left[:1]], [stops[:1], stops[:1]]
     for k in range(1, len(stops)):
         piece = straight_path(stops[k - 1], stops[k])

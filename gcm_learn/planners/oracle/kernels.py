@@ -40,7 +40,7 @@ class Grid(NamedTuple):
 
 
 class Regime(NamedTuple):
-    """Rules that make a set outer or inner, and the hand that it is of."""
+    """Scene and rules of a reachable set, which make the set outer or inner."""
 
     scene: Scene
     rules: Rules  # of moves, and of straight legs to targets
@@ -54,7 +54,7 @@ class Regime(NamedTuple):
 
 
 class ReachedSet(NamedTuple):
-    """A reachable set and how it came about."""
+    """Reachable set, and the nodes by which the hand came to the cells."""
 
     alive: np.ndarray  # (m,) bool: in the set now
     blocked: np.ndarray  # (m,) bool: occupied in this step
@@ -176,7 +176,7 @@ def leave(grid, front, until):
 
 @njit
 def accept(regime, grid, front, t0, t1, s, dt):
-    """Take those cells into the set at which the hand arrives in (t0, t1]."""
+    """Add the cells at which the hand arrives in (t0, t1] to the set."""
     time, hand = np.empty(2), np.empty((2, 2))
     for a in range(grid.cells.size):
         k = grid.cells[a]

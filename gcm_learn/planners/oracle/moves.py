@@ -1,4 +1,4 @@
-"""Moves of the oracle's hand on its lattice: which there are, what they pass, what they cost."""
+"""Moves of the oracle's hand on its lattice: directions, cells that are passed, and times."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ def move_time(front, k, d):
 
 @njit
 def barred(grid, front, k, d, leave, cost, s, dt):
-    """Tell whether move d into cell k, begun at `leave`, leads through what is surely occupied.
+    """Tell whether move d into cell k, begun at `leave`, leads through surely occupied cells.
 
     At every sample of time on its way the hand is in one of the cells around the straight path.  It
     passes between cells of which one is free at the sample before or after.
@@ -126,7 +126,7 @@ def surrounded(grid, front, q, i, j, m):
 
 @njit
 def clear(regime, time, hand):
-    """Tell whether the limb keeps its distance while the hand goes straight (2, 2) in time (2,)."""
+    """Tell whether the limb stays clear while the hand goes straight (2, 2) in time (2,)."""
     if regime.hole > 0.0:
         nearest = segment_point2(0.0, 0.0, hand[0, 0], hand[0, 1], hand[1, 0], hand[1, 1])
         if nearest < regime.hole * regime.hole:

@@ -63,7 +63,7 @@ def may_meet(study, since, until, place, way):
 
 @njit(_nrt=False)
 def is_blocked(study, since, until, place, upper, fore):
-    """Return whether one obstacle touches all limbs whose points are so near to `place`."""
+    """Return whether one obstacle always touches all limbs within `upper` and `fore` of `place`."""
     scene, t = study.scene, 0.5 * (since + until)
     ex, ey, ez, hx, hy, hz = place
     for k in range(study.desk.obstacles.size):

@@ -94,11 +94,11 @@ class ReachableSet:
 
     @property
     def sound(self) -> bool:
-        """True if steps are short enough for an outer set to be one."""
+        """True if time steps are at most as long as the shortest move, as an outer set needs."""
         return self.dt <= self.front.cost.min()
 
     def meetings(self) -> Iterator[list[Meeting]]:
-        """Follow the set and report, step by step, where it meets targets, in order of time."""
+        """Follow the set by steps; yield each step's meetings with targets, in order of time."""
         for s in range(1, math.ceil(self.end / self.dt) + 1):
             self._make_room()
             work = self.work
@@ -143,7 +143,7 @@ class ReachableSet:
 
 @lru_cache(maxsize=16)
 def _grid(lattice: Lattice, exact: bool) -> Grid:
-    """The lattice with its rim; cells count if their centre (exact) or any part is in the ring."""
+    """Make the lattice with its rim; cells count by centre (exact) or any part within the ring."""
     h, rho, rim = lattice.spacing, lattice.upper_arm, RIM
     inner, outer = abs(rho - 1.0), rho + 1.0
     width = lattice.n + 2 * rim
@@ -163,7 +163,7 @@ def _grid(lattice: Lattice, exact: bool) -> Grid:
 
 
 def _part(grid: Grid, wanted: np.ndarray) -> Grid:
-    """Return the grid with only those of its cells that are wanted (m,)."""
+    """Return the grid with only the cells that are `wanted` (m,)."""
     if len(grid.cells):
         wanted = wanted & np.isin(np.arange(len(wanted)), grid.cells)
     w, corners = grid.width, wanted.copy()
@@ -173,7 +173,7 @@ def _part(grid: Grid, wanted: np.ndarray) -> Grid:
 
 
 def _regime(problem: Problem, h: float, exact: bool, waiting: bool, after: float) -> Regime:
-    """Return the rounding and the rules of a set; an outer one keeps the limits only."""
+    """Return the rounding and the rules of a set; an outer set keeps the limits only."""
     arm, rules = problem.situation.arm, problem.rules
     meet = rules.catch + 2.0 * h if exact else arm.grasp + h * math.sqrt(0.5)
     rules = rules._replace(
@@ -195,7 +195,7 @@ def _regime(problem: Problem, h: float, exact: bool, waiting: bool, after: float
 
 
 def _start_until(problem: Problem, touch: float) -> float:
-    """Until when the hand can stay where it starts [s]."""
+    """Return the time until which the hand can stay at its start [s]."""
     arm, horizon = problem.situation.arm, problem.situation.horizon
     limb = (*arm.hand, *elbow_position(arm.hand, arm.upper_arm, arm.elbow))
     poses = np.zeros((len(problem.bodies.rows), 12))

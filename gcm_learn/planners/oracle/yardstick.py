@@ -1,4 +1,4 @@
-"""The yardstick for spatial arms: what all methods catch at large budgets, and what none can.
+"""The yardstick for spatial arms: catches of all methods at large budgets, and a lower bound.
 
 There is no set of places that could be followed through time, as there is in the plane: the joints
 have four dimensions.  So every method searches for catches, each at a budget far beyond its usual
@@ -157,10 +157,10 @@ def _methods(
 def without_waits(
     problem: JointProblem, plan: SpatialPlan, study: Study | None = None
 ) -> SpatialPlan | None:
-    """A catch without its rests, all legs but the last as fast as can be, if it still is one.
+    """Return a plan without its rests, all legs but the last at full speed; None if it fails.
 
     Beginnings of the last leg are tried from the end of the way to its start.  Under limits of
-    acceleration it is the plan itself, if that never rests.
+    acceleration the plan itself is returned, if it never rests.
     """
     study = study_of(problem.scene, problem.rules) if study is None else study
     moves = plan.trajectory
@@ -184,5 +184,5 @@ def without_waits(
 
 
 def _time(plan: SpatialPlan) -> float:
-    """Catch time of a plan, infinite if it catches nothing [s]."""
+    """Return the catch time of a plan [s]; infinite without a catch."""
     return math.inf if plan.catch_time is None else plan.catch_time

@@ -22,7 +22,7 @@ def draw_arm(
     joints: Sequence[float] | None = None,
     parts: Sequence[Sequence[tuple[np.ndarray, np.ndarray]]] = (),
 ) -> Figure:
-    """Draw an arm's capsules, one colour for each joint, and what they hold.
+    """Draw an arm's capsules, one colour for each joint, and the parts of links inside them.
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ def draw_arm(
 
 
 def _widen(axes: Sequence[Axes]) -> None:
-    """Make the parts that are shown squares of one size, about their middles."""
+    """Give all axes square limits of one size, each about the middle of its present limits."""
     limits = np.array([[ax.get_xlim(), ax.get_ylim()] for ax in axes])
     half = 0.5 * np.ptp(limits, axis=2).max()
     for ax, (across, up) in zip(axes, limits.mean(axis=2), strict=True):

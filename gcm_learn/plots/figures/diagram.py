@@ -39,7 +39,7 @@ HELD = 25  # instants of a film at which targets are in its picture
 
 
 class Diagram:
-    """Pictures of a situation with a planar arm, and of a plan of it.
+    """Pictures of a situation with a planar arm and of its plan.
 
     Parameters
     ----------
@@ -63,7 +63,7 @@ class Diagram:
         return sum(wait.duration for wait in waits)
 
     def panels(self) -> list[Panel]:
-        """Return the movement and the map it was read from; first a view of a solid scene."""
+        """Return panels of the movement and the map, after a view of the scene if it is solid."""
         solid = [self._solid_panel()] if self.situation.is_solid else []
         return [*solid, self._movement_panel(), *self._hand_panels()]
 
@@ -83,7 +83,7 @@ class Diagram:
         return "work-space: start", lambda ax: self.draw_start(ax, self.situation.horizon)
 
     def _hand_panels(self) -> list[Panel]:
-        """Return all sheets of the map; without one, hand-space when the movement ends.
+        """Return panels of the map's sheets or, without a map, of hand-space at the movement's end.
 
         Planners of straight lines make no map, and `layered` rarely; `mapped` adds one.
         """
@@ -119,7 +119,7 @@ class Diagram:
     def draw_record(
         self, above: Axes, below: Axes, known: CognitiveMap | None, end: float, pixels: int
     ) -> None:
-        """Draw the start with the bodies at `end` [s], and below it the map with the path."""
+        """Draw the start with the bodies at `end` [s] above, and the map with the path below."""
         above.axis("on")
         self.draw_start(above, end)
         workspace.draw_bodies(above, self.situation, end, LATER)
@@ -285,5 +285,5 @@ _FILMS: dict[bool, type[Film]] = {False: PlaneFilm, True: SolidFilm}
 
 
 def film_of(situation: Situation, end: float) -> Film:
-    """Return the film of a planar arm until `end` [s], of its plane or of the solids about it."""
+    """Return the film of a planar arm until `end` [s], in the arm plane or among the solids."""
     return _FILMS[situation.is_solid](situation, end)

@@ -1,4 +1,4 @@
-"""A film of an arm with mass, and a figure of its movement beside the plan."""
+"""Film of an arm with mass, and a figure that compares its movement with the plan."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def animate_execution(
     frames: int = film.FRAMES,
     views: int = film.ROUND,
 ) -> None:
-    """Write an animated GIF of what an arm with mass did, braking and bouncing targets included.
+    """Write an animated GIF of an execution by an arm with mass, with braking and bouncing targets.
 
     The film stands still for a moment at the catch or at the contact, and looks around at its end.
 
@@ -65,7 +65,7 @@ def animate_execution(
 
 
 class Mark(NamedTuple):
-    """A ring, with its colour and a word, from a time on [s]."""
+    """A ring with a colour and a word, shown from a time [s] on."""
 
     time: float
     place: np.ndarray | int
@@ -75,7 +75,7 @@ class Mark(NamedTuple):
 
 
 class Replay(Scenery):
-    """A situation in which an arm with mass moved, as a camera sees it.
+    """Scenery of the executed movement of an arm with mass, as a camera sees it.
 
     Parameters
     ----------
@@ -135,7 +135,7 @@ class Replay(Scenery):
         return things
 
     def show(self, ax: Axes, t: float, turn: float = 0.0, pixels: int = 720) -> None:
-        """Draw time t [s], from a camera that is turned, with the mark if it is time."""
+        """Draw time t [s], from a camera turned by `turn` [degrees], with the mark of the phase."""
         super().show(ax, t, turn, pixels)
         view, mark = rendering.turned_view(self.view, turn), self.mark_at(t)
         if mark is not None:
@@ -148,7 +148,7 @@ class Replay(Scenery):
             )  # fmt: skip
 
     def mark_at(self, t: float) -> Mark | None:
-        """Return the mark of the phase at time t [s], if there is one."""
+        """Return the mark of the phase at time t [s], or None before the first mark."""
         begun = [mark for mark in self.marks if t >= mark.time - 1e-9]
         return begun[-1] if begun else None
 
@@ -229,7 +229,7 @@ def _frames(replay: Replay, frames: int, views: int) -> Iterator[Image.Image]:
 
 
 def _phases(done: Execution, names: Sequence[str]) -> list[Mark]:
-    """Return the marks of a hold and a carry, which go with one of the targets of names."""
+    """Return the marks of a hold and a carry, which move with the gripped target."""
     if done.grip is None or done.plant is None:
         return []
     (closed, opened, *_), k = done.grip, names.index(list(done.plant.closed)[-1])  # type: ignore[attr-defined]
@@ -270,7 +270,7 @@ def _millimetres(length: float) -> str:
 
 
 def execution_figure(situation: rendering.JointSituation, done: Execution) -> Figure:
-    """Draw an execution: the arm at instants, the hand's way beside its plan, error and torque.
+    """Draw an execution: the arm at instants, the hand's actual and planned path, error and torque.
 
     Parameters
     ----------
@@ -301,7 +301,7 @@ def execution_figure(situation: rendering.JointSituation, done: Execution) -> Fi
 
 
 def _draw_ways(ax: Axes, replay: Replay, end: float) -> None:
-    """Draw the hand's way over the planned one, and how the target went on."""
+    """Draw the hand's path over the planned path, and the target's path, also after the end."""
     times, after = (
         np.linspace(0.0, end, rendering.SAMPLES),
         np.linspace(end, replay.end, rendering.SAMPLES),
@@ -330,7 +330,7 @@ def _draw_ways(ax: Axes, replay: Replay, end: float) -> None:
 
 
 def _draw_error(ax: Axes, replay: Replay, end: float) -> None:
-    """Draw how far the hand is from its plan over time."""
+    """Draw the distance of the hand from its planned place over time."""
     plan, plant = replay.done.plan, replay.plant
     assert plan is not None
     times = np.arange(plant.steps + 1) * replay.step
@@ -341,7 +341,7 @@ def _draw_error(ax: Axes, replay: Replay, end: float) -> None:
 
 
 def _draw_torques(ax: Axes, replay: Replay, end: float) -> None:
-    """Draw the share of its torque that each motor uses over time."""
+    """Draw the torque of each motor over time, as a share of the motor's largest torque."""
     plant = replay.plant
     times = np.arange(plant.steps) * replay.step
     arm, colours = replay.situation.arm, cycle(JOINT_COLOURS)

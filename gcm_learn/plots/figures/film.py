@@ -79,12 +79,12 @@ def write_film(
 
 
 def pixels(canvas: FigureCanvasAgg) -> Image.Image:
-    """The drawing as an image of its own."""
+    """Return the canvas as an image, with a copy of its pixels."""
     return Image.fromarray(np.asarray(canvas.buffer_rgba())[..., :3].copy())
 
 
 def _frames(situation: AnySituation, plan: Plan, frames: int) -> Iterator[Image.Image]:
-    """Draw frame after frame over one unchanging background."""
+    """Yield the frames of a film, drawn over one unchanging background."""
     figure = style.new_figure(WIDTH, HEIGHT)
     figure.set_dpi(FILM_DPI)
     panels = figure.subplots(1, 2)
@@ -103,7 +103,7 @@ def painted(
     scenes: Sequence[Scene],
     moments: Sequence[tuple[float, float]],
 ) -> Iterator[Image.Image]:
-    """Draw what panels show at moments (time [s], turn [degrees]), all else once."""
+    """Yield a frame for each moment (time [s], turn [degrees]); draw the background only once."""
     canvas = FigureCanvasAgg(figure)
     canvas.draw()
     figure.set_layout_engine("none")
@@ -116,7 +116,7 @@ def painted(
 
 
 def palette_of(images: Sequence[Image.Image]) -> Image.Image:
-    """Colours for all frames of a film: the style, its tints, and other frequent colours."""
+    """Return a palette for all frames of a film: the style, its tints, and frequent colours."""
     width, height = images[0].size
     strip = Image.new("RGB", (width, height * len(images)))
     for k, image in enumerate(images):
@@ -133,7 +133,7 @@ def palette_of(images: Sequence[Image.Image]) -> Image.Image:
 
 
 def _paint(ax: Axes, draw: Callable[[], None]) -> None:
-    """Let `draw` add artists, paint only those, and remove them again."""
+    """Let `draw` add artists, paint only these artists, and remove them again."""
     before = set(ax.get_children())
     draw()
     added = [artist for artist in ax.get_children() if artist not in before]

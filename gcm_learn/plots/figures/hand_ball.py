@@ -66,7 +66,7 @@ def skin(chart: HandLattice, field: np.ndarray, level: float, colour: str, alpha
 def extended_faces(
     situation: JointSituation, t: float, cognitive_map: CognitiveMap, alpha: float = GLASSY
 ) -> Faces:
-    """Extended obstacles at time t [s]: hands whose limb, in its posture, touches an obstacle."""
+    """Return extended obstacles at time t [s]: hand places whose posture touches an obstacle."""
     chart, joints = _chart(cognitive_map), cognitive_map.joints
     assert joints is not None
     rooms = cell_clearances(cast("Any", situation), chart, t, joints)
@@ -91,14 +91,14 @@ def effective_faces(cognitive_map: CognitiveMap, t: float = np.inf, alpha: float
 
 
 def effective_skin(cognitive_map: CognitiveMap, most: int) -> tuple[np.ndarray, np.ndarray]:
-    """The surface of effective obstacles, and since when its faces are there.
+    """Return the faces of the effective obstacles, and the time from which each face exists.
 
     Parameters
     ----------
     cognitive_map : CognitiveMap
         Over a `HandLattice`.
     most : int
-        Cells a side of which it is made, at most.
+        Largest number of cells a side from which the surface is made.
 
     Returns
     -------
@@ -118,7 +118,7 @@ def effective_skin(cognitive_map: CognitiveMap, most: int) -> tuple[np.ndarray, 
 
 
 def fills_ball(cognitive_map: CognitiveMap | None) -> bool:
-    """Return whether there is a map of the hand's places in space, so that it can be drawn."""
+    """Return whether there is a map over a `HandLattice`, which can be drawn in space."""
     return cognitive_map is not None and isinstance(cognitive_map.chart, HandLattice)
 
 
@@ -153,7 +153,7 @@ def _evened(arrival: np.ndarray, never: float) -> np.ndarray:
 
 
 def _birth(arrival: np.ndarray) -> np.ndarray:
-    """When the front came to every cell or beside it (n, n, n) [s]; infinite where it did not."""
+    """Return the time (n, n, n) [s] of the front's arrival in or beside a cell, or infinity."""
     when = np.pad(arrival, 1, constant_values=np.inf)
     out = arrival.copy()
     for axis in range(3):
@@ -163,7 +163,7 @@ def _birth(arrival: np.ndarray) -> np.ndarray:
 
 
 def hand_ball(situation: JointSituation, hand: np.ndarray) -> Faces:
-    """The arm as hand-space knows it: a point."""
+    """Return a small ball at the hand; in hand-space the whole arm is this point."""
     ball = Sphere(POINT * situation.arm.reach)
     return placed(ball, hand, np.eye(3), np.array(to_rgb("#1a202c")))
 
@@ -182,7 +182,7 @@ def ball_view(situation: JointSituation, view: Camera) -> Camera:
 
 def draw_ball(ax: Axes, situation: JointSituation, view: Camera, things: list[Faces],
               pixels: int = PIXELS) -> None:  # fmt: skip
-    """Show things in hand-space within the circle of what can be reached."""
+    """Draw things in hand-space, with a circle of the arm's reach."""
     window = ball_window(situation)
     show_image(ax, np.clip(render(view, window, things, pixels), 0.0, 1.0), window)
     ax.add_patch(
@@ -217,7 +217,7 @@ def cut_faces(
     cognitive_map: CognitiveMap, middle: np.ndarray,
     u: np.ndarray, v: np.ndarray,
 ) -> Iterator[Faces]:  # fmt: skip
-    """Yield a cut through a map in the colours of arrivals, with rings, and what is frozen."""
+    """Yield a cut through a map: arrival times as colours, with rings, and frozen cells."""
     chart, arrival = _chart(cognitive_map), first_arrival(cognitive_map)
     reach = chart.reach
     marks = np.linspace(-1.7 * reach, 1.7 * reach, CUT + 1)
@@ -253,7 +253,7 @@ def map_faces(
     situation: JointSituation, cognitive_map: CognitiveMap, view: Camera,
     trajectory: Movement | None = None, facing: Camera | None = None,
 ) -> list[Faces]:  # fmt: skip
-    """A map cut open, facing a camera, with effective obstacles; those before the cut are glass."""
+    """Return a map cut open, facing a camera; effective obstacles before the cut are glass."""
     chart, met = _chart(cognitive_map), cognitive_map.interception
     start = chart.in_world(np.asarray(cognitive_map.hand))
     end = start if met is None else chart.in_world(np.asarray(met.position))
@@ -300,7 +300,7 @@ class HandBall:
         self._map: list[Faces] = []
 
     def at(self, t: float, *, moving: bool = True) -> list[Faces]:
-        """Everything at time t [s], the hand with its way, or where it was at t = 0."""
+        """Return all faces at time t [s]: the hand with its path or, unless `moving`, at t = 0."""
         things = [
             *self.world_at(t, t if moving else 0.0),
             effective_faces(self.map, t),
@@ -357,7 +357,7 @@ HAND_SPACE_KEY = (
 
 
 def key_of_hand_space(figure: Figure) -> None:
-    """Say below pictures of hand-space what is what."""
+    """Add a key of the colours of hand-space below the pictures."""
     handles = [Patch(color=colour, label=name) for colour, name in HAND_SPACE_KEY]
     figure.legend(
         handles=handles, loc="outside lower center", ncols=len(handles), fontsize=style.SMALL,

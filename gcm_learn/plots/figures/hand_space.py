@@ -59,9 +59,9 @@ def extended_image(
 
 @lru_cache(maxsize=8)
 def _drawn_over_rim(lattice: Lattice) -> tuple[np.ndarray, np.ndarray]:
-    """Index arrays that let cells just outside the rim repeat what is just inside.
+    """Return index arrays with which cells just outside the rim repeat cells just inside.
 
-    Clipped with the rim's circle, an image then ends there without the cells' steps.
+    An image that is then clipped with the rim's circle has no steps of cells at its edge.
     """
     x, y = np.meshgrid(lattice.centres, lattice.centres)
     h, reach, radius = lattice.spacing, lattice.upper_arm + 1.0, np.hypot(x, y)
@@ -83,7 +83,7 @@ def show_image(ax: Axes, image: np.ndarray, arm: Arm, zorder: float = 2.0) -> Ax
 
 
 def draw_hand(ax: Axes, hand: tuple[float, ...] | np.ndarray) -> None:
-    """Draw the arm as hand-space knows it: a point."""
+    """Draw the hand as a point; in hand-space the whole arm is this point."""
     ax.plot([hand[0]], [hand[1]], "o", color="black", mec="white", mew=1.0, ms=7.5, zorder=12)
 
 

@@ -10,7 +10,7 @@ from gcm_learn.plots.figures.stage import JointPictures, MissedStage
 
 
 class Drawn(NamedTuple):
-    """Pictures of one kind of arm."""
+    """Classes of pictures for one kind of arm, and the endings of its films."""
 
     pictures: Any
     """Class of pictures of a situation and a plan."""
@@ -27,5 +27,5 @@ DRAWN = ByKind(
 
 
 def pictures_of(situation: Any, plan: Any = None) -> Any:
-    """Return a `Diagram` or a `JointPictures` of a situation and a plan, by the kind of its arm."""
+    """Return a `Diagram` or a `JointPictures` of a situation and a plan, by the kind of arm."""
     return DRAWN.of(situation).pictures(situation, plan)

@@ -1,4 +1,4 @@
-"""Cognitive maps, drawn as in Fig. 4D, and the front on its way as in Fig. 4C."""
+"""Cognitive maps, drawn as in Fig. 4D, and the moving front at instants as in Fig. 4C."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ def plot_plan(
     latest: float | None = None,
     waits: bool = True,
 ) -> None:
-    """Draw the map of a plan, its path with the waits, and the targets at the catch.
+    """Draw a plan's map, the path with its waits, and the targets at the catch.
 
     Parameters
     ----------
@@ -120,17 +120,17 @@ def draw_effective(ax: Axes, cognitive_map: CognitiveMap, tau: float | None = No
 
 
 def walls(cognitive_map: CognitiveMap) -> np.ndarray:
-    """Return the effective obstacles (n, n) that were not entered later, either.
+    """Return the cells (n, n) of effective obstacles that the front never entered.
 
-    In a map with waits a cell that turned the front away may have let it in afterwards; in the
-    paper's maps there is no such cell.
+    In a map with waits the front may enter an effective obstacle later; in the paper's maps it
+    never does.
     """
     shut: np.ndarray = cognitive_map.effective_obstacles & np.ma.getmaskarray(cognitive_map.arrival)
     return shut
 
 
 def birth(cognitive_map: CognitiveMap) -> np.ndarray:
-    """Return the mental time (n, n) at which the front came to every cell or beside it.
+    """Return the mental time (n, n) of the front's arrival in each cell, or else in a neighbour.
 
     A cell that was frozen before it fired has no arrival of its own, but a neighbour has.
     Infinite where the front never came near.
@@ -142,9 +142,9 @@ def birth(cognitive_map: CognitiveMap) -> np.ndarray:
 
 
 def spread(cognitive_map: CognitiveMap) -> np.ndarray:
-    """Return arrival in tau (n, n), carried on by one cell at the front's usual speed.
+    """Return arrival in tau (n, n), extended by one cell at the front's usual speed.
 
-    Contours of it are as smooth as the front was, up to the rim and to where the wave stopped.
+    Its contours are as smooth as the front was, up to the rim and to where the front stopped.
     Infinite further out.
     """
     tau = np.ma.filled(cognitive_map.arrival_tau.astype(float), np.inf)
@@ -164,13 +164,13 @@ def spread(cognitive_map: CognitiveMap) -> np.ndarray:
 
 
 def _shifted(padded: np.ndarray, i: int, j: int) -> np.ndarray:
-    """Return every cell's neighbour (i, j) from an array with a rim of one cell."""
+    """Return the value of every cell's neighbour (i, j), from an array padded by one cell."""
     n, m = padded.shape
     return padded[1 + i : n - 1 + i, 1 + j : m - 1 + j]
 
 
 def latest_arrival(cognitive_map: CognitiveMap) -> float:
-    """Return the last mental time at which the front came anywhere, 0 if it never left."""
+    """Return the mental time of the front's last arrival in a cell, 0 without arrivals."""
     return float(cognitive_map.arrival_tau.max()) if cognitive_map.arrival.count() else 0.0
 
 
@@ -257,7 +257,7 @@ def draw_snapshot(
 
 
 def draw_explored(ax: Axes, cognitive_map: CognitiveMap, tau: float) -> None:
-    """Shade what lies behind the front and draw the front where it is not frozen."""
+    """Shade the explored region and draw the front, except where it is frozen."""
     ahead = np.minimum(spread(cognitive_map) - tau, FAR)
     if not (ahead < 0.0).any():
         return

@@ -134,7 +134,7 @@ def fig4() -> Figure:
 
 
 def fig5() -> Figure:
-    """Draw a falling ball: the 3D scene, its plane, the wave and the movement."""
+    """Draw a falling ball: the 3D scene, the arm plane, the wave and the movement."""
     situation, plan = _solved("fig5")
     figure, panels = _panels(2, 3, letters="ABC  D")
     draw_scene(panels[0], situation)
@@ -187,7 +187,7 @@ def _in_space(name: str) -> Figure:
 
 
 def _in_a_body(name: str) -> Figure:
-    """Draw what an arm with mass and motors makes of the plan for a scene (extra ``sim``)."""
+    """Draw how an arm with mass and motors executes the plan for a scene (extra ``sim``)."""
     scene = SPATIAL_SCENES[name]()
     situation = with_motor_limits(scene, body_for(scene.arm))
     plan: Plan = solve(situation)

@@ -1,4 +1,4 @@
-"""Pictures of one plan, with the map that it was read from, and of one missed catch."""
+"""Figures of one plan with the map that its path was read from, and of one missed catch."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ WORDS = {"broken": "breaks its promise", "error": "fails"}
 
 
 def plan_figure(situation: AnySituation, plan: Plan) -> Figure:
-    """Draw the movement in the work-space and the map it was read from.
+    """Draw the movement in the work-space and the map that its path was read from.
 
     Parameters
     ----------
@@ -68,7 +68,7 @@ def _headline(plan: Plan, waiting: float) -> str:
 
 @dataclass(frozen=True)
 class MissedCatch:
-    """A situation, and an entrant that did not catch in it."""
+    """A situation in which an entrant caught nothing, with the entrant's outcome and movement."""
 
     name: str
     """Of the entrant."""
@@ -83,7 +83,7 @@ class MissedCatch:
 
     @cached_property
     def pictures(self) -> Any:
-        """Pictures of it, by the kind of arm."""
+        """Pictures of the missed catch, by the kind of arm."""
         touches = self.outcome == "touched"
         return DRAWN.of(self.situation).missed(
             self.situation, self.trajectory, self.example, touches
@@ -91,16 +91,16 @@ class MissedCatch:
 
     @property
     def duration(self) -> float:
-        """Time until it is over [s]: the collision, or the example's catch.
+        """Time of the last picture [s]: the collision, or the example's catch.
 
-        Without both it is the horizon or, where bodies are solid, when a target is closest.
+        Without both, the horizon or, where bodies are solid, the time when a target is closest.
         """
         shown = self.trajectory or self.example
         return float(self.pictures.resting_until if shown is None else shown.duration)
 
 
 def failure_figure(failure: MissedCatch) -> Figure:
-    """Draw a failure where it ended."""
+    """Draw the last instant of a missed catch."""
     figure = style.new_figure(*SIZE)
     ax = figure.subplots()
     failure.pictures.show_end(ax, failure.duration, PANEL)

@@ -1,4 +1,4 @@
-"""An arm among solids before a camera: at one instant, or over a movement.
+"""Pictures of an arm among solids, at one instant or over a movement.
 
 Everything stands over a floor that shows its shadow, and a line drawn through solids shows what
 they hide.  Paths are coloured by time; places of one colour belong to one time.
@@ -73,7 +73,7 @@ def draw_start(
 
 
 def show_image(ax: Axes, image: np.ndarray, window: rendering.Window) -> None:
-    """Show an image in axes that have its camera's coordinates."""
+    """Show an image in axes with the coordinates of the camera's window."""
     ax.imshow(
         image, origin="lower", extent=window.extent, zorder=1, interpolation="antialiased"
     )  # fmt: skip
@@ -157,7 +157,7 @@ class Scenery:
         return rendering.target_way(self.situation, times, self.places(times), hands)
 
     def _held(self, t: float) -> Iterator[rendering.Faces]:
-        """Yield what the picture holds of time t [s]: things near the arm, obstacles whole."""
+        """Yield all things at time t [s]; whole things near the arm are marked `kept`."""
         arm = self.situation.arm
         base = np.asarray(arm.base.origin)
         for thing in self.at(t):
@@ -180,7 +180,7 @@ class Scenery:
         return things
 
     def show_world(self, ax: Axes, t: float) -> None:
-        """Draw the bodies at time t [s], and the arm as it was at t = 0."""
+        """Draw the bodies at time t [s], and the arm at t = 0."""
         arm = self.situation.arm
         things = [*rendering.body_faces(self.situation, t), *rendering.arm_faces(arm, arm.joints)]
         window = self.window_at(t)
@@ -198,7 +198,7 @@ class Scenery:
         draw_asked(ax, self.situation, view, self.trajectory, self.catches, t)
 
     def _show_targets(self, ax: Axes, t: float, turn: float) -> None:
-        """Draw the rims of the targets over what hides them; far ones as discs."""
+        """Draw the rims of the targets over the image, so that they show; far targets as discs."""
         view, smallest = rendering.turned_view(self.view, turn), SEEN * self.window_at(t).half
         for body, place in zip(self.situation.targets, self.places(np.array([t])), strict=True):
             radius = rendering.drawn_scale(self.situation, body) * body.shape.bounding_radius
@@ -271,7 +271,7 @@ def _moments(situation: rendering.JointSituation, trajectory: Movement, count: i
 
 
 def show_through(ax: Axes, view: rendering.Camera, path: np.ndarray, alpha: float = 0.4) -> None:
-    """Draw a path (k, 3) once more over everything; faint, so that what hides it shows."""
+    """Draw a path (k, 3) once more, faintly, over the image, so that its hidden parts show."""
     seen = view.see(path)[:, :2]
     shades = TIME_COLOURS(np.linspace(0.0, 1.0, len(seen) - 1))
     ax.add_collection(

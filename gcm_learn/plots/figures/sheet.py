@@ -1,4 +1,4 @@
-"""Figures of a sheet of answers: one panel each, so that a page can set them in any width."""
+"""Figures of a sheet of answers, of one panel each, for pages of any width."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def colours_of(names: Sequence[str]) -> dict[str, Any]:
 def spans_figure(
     heading: str, label: str, spans: Mapping[str, Span], colours: Mapping[str, Any]
 ) -> Figure:
-    """Draw a share or difference with its interval, in per cent, in a row for each entrant."""
+    """Draw a row for each entrant: its share or difference with the interval, in per cent."""
     figure, ax = _rows(list(spans))
     for row, (name, span) in enumerate(spans.items()):
         value, low, high = (100.0 * one for one in span)
@@ -163,7 +163,7 @@ def _legend(figure: Figure, count: int) -> None:
 
 
 def _finished(figure: Figure, ax: Axes, heading: str, label: str, grid: str = "") -> Figure:
-    """Return the figure of a chart with its heading, its x axis, and lines across an axis."""
+    """Add a heading, the label of the x axis and grid lines to a chart; return the figure."""
     style.title(ax, heading)
     style.plain(ax)
     ax.set_xlabel(label, fontsize=style.SMALL)

@@ -1,4 +1,4 @@
-"""Maps whose hand may wait: sheets of arrivals, and maps of engines side by side."""
+"""Sheets of arrivals, of maps in which the hand may wait, and maps of engines side by side."""
 
 from __future__ import annotations
 
@@ -35,14 +35,14 @@ EARLIER = "#e2e8f0"  # cells of earlier sheets
 
 
 def mapped(situation: Situation, plan: Plan) -> Plan:
-    """Return the plan with the map of a hand that may wait, where it was made without one."""
+    """Return the plan, with a map in which the hand may wait if the plan has no map."""
     if plan.map is not None:
         return plan
     return replace(plan, map=build_map(situation, MarchingParams(), wait=True))
 
 
 def sheets_figure(situation: Situation, plan: Plan) -> Figure:
-    """Draw a movement with its waits, and beside it the sheets of the map that it came from.
+    """Draw a movement with its waits, and beside it the sheets of the plan's map.
 
     Parameters
     ----------
@@ -66,7 +66,7 @@ def sheets_figure(situation: Situation, plan: Plan) -> Figure:
 
 
 def sheet_of(cognitive_map: CognitiveMap, k: int) -> CognitiveMap:
-    """Return sheet k, counted from 0, as a map of its own.
+    """Return sheet k, counted from 0, as a separate map.
 
     Walls are the cells out of the hand's reach; the target is on the sheet of the interception.
     """
@@ -85,13 +85,13 @@ def sheet_of(cognitive_map: CognitiveMap, k: int) -> CognitiveMap:
 
 
 def _sheet_at(cognitive_map: CognitiveMap, cell: tuple[int, ...], t: float) -> int:
-    """Return the sheet on which a hand in a cell is at time t [s]; -1 if it cannot be there."""
+    """Return the sheet of a hand in a cell at time t [s]; -1 if the hand cannot be there then."""
     arrivals = cognitive_map.sheets[:, cell[0], cell[1]].filled(np.inf)
     return int((arrivals <= t).sum()) - 1
 
 
 def sheet_panels(situation: Situation, plan: Plan) -> list[Panel]:
-    """Return the sheets of a plan's map in one scale of colours, with the path and its waits.
+    """Return panels of the sheets of a plan's map, in one colour scale, with path and waits.
 
     Parameters
     ----------

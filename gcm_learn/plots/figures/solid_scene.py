@@ -1,4 +1,4 @@
-"""A planar arm among solids: its plane as a pane of glass, over a floor with shadows."""
+"""A planar arm among solids, drawn with its plane as a pane of glass, over a floor with shadows."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ def scene_window(
 
 
 class SolidFilm:
-    """A solid scene before a camera that holds the whole way of its targets.
+    """Film of a solid scene; the picture holds the whole path of the targets.
 
     Parameters
     ----------
@@ -88,7 +88,7 @@ class SolidFilm:
         self.floor = float(corners[:, 2].min()) - UNDER
 
     def _held(self, t: float) -> list[Faces]:
-        """Return what the picture holds of time t [s]: targets, the arm's plane, what is near."""
+        """Return faces that the picture has to hold at t [s]: arm plane, targets, near bodies."""
         situation = self.situation
         plane, reach = _plane_of(situation), situation.arm.reach
         held = [_glass(plane, reach)]
@@ -170,7 +170,7 @@ def scene_faces(
 
 
 def limb_in_plane(situation: Situation, hand: np.ndarray | tuple[float, float]) -> list[Faces]:
-    """Return the arm with its hand (2,) in arm-plane coordinates, in the world."""
+    """Return the faces, in the world, of the arm with its hand (2,) in arm-plane coordinates."""
     arm, end = situation.arm, np.asarray(hand, dtype=float)
     elbow = elbow_position(end, arm.upper_arm, arm.elbow)
     joints = to_world(_plane_of(situation), np.array([np.zeros(2), elbow, end]))
@@ -179,7 +179,7 @@ def limb_in_plane(situation: Situation, hand: np.ndarray | tuple[float, float]) 
 
 
 def _solid(situation: Situation, index: int, t: float) -> Faces | None:
-    """Return a body as it is at time t [s], in the world, if it has a thickness."""
+    """Return the faces of a body at time t [s], in the world; None if its shape is planar."""
     body, plane = situation.bodies[index], _plane_of(situation)
     if isinstance(body.shape, PLANAR):
         return None
@@ -208,7 +208,7 @@ def label_body(
 
 
 def to_world(plane: Plane, points: np.ndarray) -> np.ndarray:
-    """Arm-plane coordinates (..., 3), or (..., 2) in the plane itself, to world ones (..., 3)."""
+    """Convert arm-plane coordinates (..., 3), or (..., 2) in the plane, to world ones (..., 3)."""
     axes = np.array([plane.x, plane.y, plane.normal])[: points.shape[-1]]
     return np.asarray(plane.origin) + points @ axes
 

@@ -1,4 +1,4 @@
-"""Pictures of an arm that moves in its joints, among solids before a camera."""
+"""Pictures of an arm that moves in its joints, among solids."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ OTHER = 0.7  # alpha of the arm that catches
 
 
 class JointPictures:
-    """Pictures of a situation with an arm that moves in its joints, and of a plan of it.
+    """Pictures of a situation with an arm that moves in its joints, and of its plan.
 
     Parameters
     ----------
@@ -110,7 +110,7 @@ class JointPictures:
     def draw_record(
         self, above: Axes, below: Axes, known: CognitiveMap | None, end: float, pixels: int
     ) -> None:
-        """Draw the start, and below it the movement."""
+        """Draw the start above, and the movement below."""
         self.draw_start(above, end, pixels)
         if self.trajectory is not None:
             draw_poses(below, self.situation, self.trajectory, self.view, pixels=pixels)

@@ -50,7 +50,7 @@ def panel_grid(
     *,
     shared: bool = False,
 ) -> tuple[Figure, list[Axes]]:
-    """Return a figure with so many panels in rows; what is left of the last row stays empty.
+    """Return a figure with `count` panels in rows; the rest of the last row stays empty.
 
     Parameters
     ----------
@@ -80,7 +80,7 @@ def fill_panels(axes: Sequence[Axes], panels: Sequence[Panel]) -> None:
 
 
 def plain(ax: Axes) -> None:
-    """Leave a chart its two axes, with small numbers."""
+    """Hide the top and right borders of a chart and make the numbers on its axes small."""
     ax.spines[["top", "right"]].set_visible(False)
     ax.tick_params(labelsize=SMALL, colors=INK)
 
@@ -125,7 +125,7 @@ def title(ax: Axes, text: str) -> None:
 
 
 def panel_letter(ax: Axes, letter: str) -> None:
-    """Write the paper's letter of a panel into its upper left corner."""
+    """Write a letter, as in the paper, into the upper left corner of a panel."""
     ax.text(
         0.01, 0.99, letter, transform=ax.transAxes, fontsize=TITLE + 3, fontweight="bold",
         color=INK, ha="left", va="top", zorder=20,
@@ -189,7 +189,7 @@ def draw_path(ax: Axes, path: np.ndarray, colour: str = PATH, heads: int = 3) ->
 
 
 def key(ax: Axes, entries: Sequence[tuple[str, str]]) -> None:
-    """Fill axes with a list of colours and what they mean.
+    """Fill axes with a list of colours and their meanings.
 
     Parameters
     ----------

@@ -53,7 +53,7 @@ def surface(field: np.ndarray, level: float = 0.0) -> tuple[np.ndarray, np.ndarr
 
 
 def surface_about(shape: SpaceShape, distance: float, cells: int = CELLS) -> Shell | None:
-    """Return one surface at a distance from a cloud or mesh; None if it is too near for that."""
+    """Return one surface at a distance from a cloud or mesh; None if too near for the grid."""
     if not isinstance(shape, Cloud | Mesh):
         return None
     radius = shape.radius if isinstance(shape, Cloud) else 0.0

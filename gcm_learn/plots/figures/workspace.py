@@ -86,7 +86,7 @@ def draw_body(ax: Axes, situation: Situation, index: int, t: float, alpha: float
 def draw_arm(
     ax: Axes, arm: Arm, hand: tuple[float, float] | np.ndarray, alpha: float = 1.0
 ) -> None:
-    """Draw the limb with its hand at a point; joints as open circles, the hand filled."""
+    """Draw the arm with its hand at a point; joints as open circles, the hand filled."""
     elbow = elbow_position(hand, arm.upper_arm, arm.elbow)
     x, y = np.array([(0.0, 0.0), elbow, hand]).T
     colour = _paler(style.ARM, alpha)
@@ -212,7 +212,7 @@ def _stop(group: list[Wait]) -> tuple[np.ndarray, float]:
 
 
 def _draw_pause(ax: Axes, place: np.ndarray, size: float) -> None:
-    """Draw a ring with two bars in it, `size` points wide."""
+    """Draw the sign of a pause: a ring, `size` points wide, with two bars inside."""
     x, y = place
     ax.plot(x, y, "o", mfc="white", mec=style.PATH, mew=1.6, ms=size, zorder=12.5)
     for side in (-0.45, 0.45):
@@ -231,7 +231,7 @@ def _free_side(hand: np.ndarray, place: np.ndarray) -> np.ndarray:
 
 
 def _label(ax: Axes, place: np.ndarray, text: str, size: float, side: np.ndarray) -> None:
-    """Write beside a mark of a size [pt], on one side of it."""
+    """Write a text beside a mark of a size [pt], in the direction `side` from the mark."""
     steep = abs(side[1]) > 2 * abs(side[0])
     ax.annotate(
         text, tuple(place), xytext=tuple((0.5 * size + BESIDE) * side), textcoords="offset points",

@@ -1,4 +1,4 @@
-"""Words of a page about clusters: what their members share, and if one catch does for another."""
+"""Texts about clusters for a page: common traits, and success in each other's situations."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ def verdict(name: str, own: float, moves: float, chance: float) -> str:
 
 
 def _percent(shares: np.ndarray) -> str:
-    """Return a share with its 95 % interval, if it has one."""
+    """Return a share and its 95 % interval as text; a dash if the share is unknown."""
     if not np.isfinite(shares[0]):
         return "–"
     low, high = np.nanpercentile(100 * shares[1:], [2.5, 97.5])
@@ -72,7 +72,7 @@ def _percent(shares: np.ndarray) -> str:
 
 
 def _card(found: Clusters, tries: CrossTries, shown: np.ndarray, k: int) -> dict[str, Any]:
-    """Return what a page tells of cluster k + 1."""
+    """Return the page's entry of cluster k + 1: name, size, point of the medoid, and texts."""
     memory, mine = found.memory, found.labels == k + 1
     own, chance = (
         _percent(tries.shares(labels, mine[tries.asked]))
@@ -101,7 +101,7 @@ def _most(words: Iterable[str]) -> str:
 
 
 def traits(memory: Memory) -> dict[str, np.ndarray]:
-    """Return by words what is true (n,) of the catches of a planar memory."""
+    """Return, by the name of a trait, which catches (n,) of a planar memory have the trait."""
     angle, ring, time, earliest = np.moveaxis(memory.knots.astype(float), 2, 0)
     hand = (HUB + ring)[..., None] * np.stack([np.cos(angle), np.sin(angle)], axis=2)
     way = np.linalg.norm(np.diff(hand, axis=1), axis=2).sum(axis=1)

@@ -1,4 +1,4 @@
-"""A page that shows what is in a dataset: situations and maps, stratum by stratum."""
+"""Page of a dataset's situations and maps, stratum by stratum."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ def _first_choice(planners: Sequence[str]) -> str:
 
 
 def _picture(records: Sequence[Record], path: Path, caption: str) -> Picture:
-    """Draw records, each a situation above its map."""
+    """Draw records into a picture file, each as a situation above its map."""
     bands = -(-len(records) // COLUMNS)
     figure, panels = style.panel_grid(2 * bands * COLUMNS, COLUMNS, (2.9, 3.05))
     for ax in panels:
@@ -88,7 +88,7 @@ def _picture(records: Sequence[Record], path: Path, caption: str) -> Picture:
 
 
 def draw_record(above: Axes, below: Axes, record: Record) -> None:
-    """Draw the situation of a record, and below it the map with a path, or the movement."""
+    """Draw a record's situation above, and its map with a path, or its movement, below."""
     plans = record.plans
     order = sorted(plans, key=lambda name: name != _first_choice(list(plans)))
     plan = next((plans[name] for name in order if plans[name].caught), None)
@@ -102,7 +102,7 @@ def draw_record(above: Axes, below: Axes, record: Record) -> None:
 
 
 def _numbers(records: Dataset) -> Section:
-    """Tables of what the dataset holds."""
+    """Return the section with a table of the dataset's families and their strata."""
     from gcm_learn.dataset import survey
 
     manifest = survey(records.folder.url)

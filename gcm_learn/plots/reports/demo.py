@@ -64,7 +64,7 @@ Progress = Callable[[str], None]
 
 
 def build_demo(out: Path, seed: int, n_random: int, progress: Progress) -> Path:
-    """Solve the paper's scenes and random ones; write pictures and a page about them.
+    """Solve the paper's scenes and random situations; write pictures and a page about them.
 
     Parameters
     ----------
@@ -137,7 +137,7 @@ def _row(name: str, plans: dict[str, Plan]) -> list[str]:
 
 
 def _twins(out: Path) -> Section:
-    """Draw a catch among bodies that move, and the same one in the resting twin; their maps."""
+    """Draw a catch among moving bodies, the same catch in the static twin, and both maps."""
     plan, scenes = twins()
     figure, panels = style.panel_grid(4, 2, (3.1, 3.3))
     for ax, title in zip(panels, WORDS["twins"], strict=True):
@@ -150,7 +150,7 @@ def _twins(out: Path) -> Section:
 
 
 def twins() -> tuple[Plan, list[Any]]:
-    """Return a catch, the situation that it was planned for, and that one's static twin."""
+    """Return a plan, and a list of the situation planned for and this situation's static twin."""
     scene: Any = draw(*TWINNED)
     plan = solve(scene, "marching")
     return plan, [scene, static_twin(scene, build_map(scene, FRONT), COPIES)]

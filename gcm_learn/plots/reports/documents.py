@@ -188,13 +188,13 @@ def first_case(name: str, seed: int, planner: str = "layered") -> tuple[Any, Pla
 
 
 def _is_seen(situation: Any, plan: Plan) -> bool:
-    """Return whether a planar arm's plane cuts its target at the catch in more than a speck."""
+    """Return whether the arm plane's cut of the target at the catch is large enough to be seen."""
     seen = outline(situation, 0, plan.catch_time or 0.0)
     return seen is not None and bool(np.ptp(seen, axis=0).min() > SEEN)
 
 
 def draw_case(ax: Axes, situation: Situation, plan: Plan) -> Axes:
-    """Draw a situation, where its bodies go and how the hand catches."""
+    """Draw a situation with the paths of its bodies and of the hand up to the catch."""
     if plan.trajectory is None or plan.catch_time is None:
         raise ValueError(f"no catch to show: {plan.message}")
     style.frame(ax, situation.arm.upper_arm)

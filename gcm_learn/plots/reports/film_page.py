@@ -43,7 +43,7 @@ IN_HANDS = ((style.EFFECTIVE, "effective obstacle, in hand-space"),)
 
 
 def write_film_page(situation: rendering.JointSituation, plan: Plan, path: str | Path) -> Path:
-    """Write a page that shows a plan; it needs no other files.
+    """Write a page that shows a plan and needs no other files.
 
     Parameters
     ----------
@@ -83,7 +83,7 @@ def write_film_page(situation: rendering.JointSituation, plan: Plan, path: str |
 
 
 def _key(situation: rendering.JointSituation, data: dict[str, Any]) -> tuple[tuple[str, str], ...]:
-    """Return colours and what they mean."""
+    """Return the key of the page: colours and their meanings."""
     approached = any(bool(body.approach) for body in situation.bodies)
     missed = any(solid["colour"] == MISSED for solid in data["solids"])
     wide = any(body.margin is not None for body in situation.bodies)
@@ -259,7 +259,7 @@ def _hands(
     times: np.ndarray,
     box: np.ndarray,
 ) -> dict[str, Any] | None:
-    """Return the surface of effective obstacles, its triangles in order of time.
+    """Return the surface of the effective obstacles, with its triangles in order of time.
 
     ``counts`` (k,) is the number of triangles that are there at each time.
     """
@@ -281,7 +281,7 @@ def _solid(
     quads: np.ndarray, name: str, colour: str, centres: np.ndarray, turns: np.ndarray,
     *, flat: bool = False,
 ) -> dict[str, Any]:  # fmt: skip
-    """Return a solid of faces (n, 4, 3) with its poses (k, 3) and (k, 3, 3)."""
+    """Return a solid as page data, from its faces (n, 4, 3) and its poses (k, 3) and (k, 3, 3)."""
     corners, triangles, _ = _welded(quads)
     return {
         "name": name, "colour": colour, "flat": flat, "opacity": 1.0,
@@ -291,7 +291,7 @@ def _solid(
 
 
 def _welded(quads: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return corners (n, 3) and triangles (m, 3) of faces (k, 4, 3), and whose (m,)."""
+    """Return corners (n, 3), triangles (m, 3) and their faces (m,), of faces (k, 4, 3)."""
     rows = np.round(quads.reshape(-1, quads.shape[2]), 9)
     corners, index = np.unique(rows, axis=0, return_inverse=True)
     four = index.reshape(-1, 4)
@@ -311,7 +311,7 @@ def _ways(situation: rendering.JointSituation, moves: Movement) -> Iterator[dict
 
 
 def _holds(plan: Plan, moves: Movement) -> Iterator[dict[str, Any]]:
-    """Yield the parts of the hand's path on which it holds a target."""
+    """Yield the parts of the hand's path on which the hand holds a target."""
     for one in plan.catches:
         if "held_until" in one:
             path = moves.hand_at(np.linspace(one["time"], one["held_until"], FRAMES))

@@ -1,4 +1,4 @@
-"""A page that shows a memory as points: pointing at one shows its map and its catch.
+"""Page of a memory as points; pointing at a point shows its map and its catch.
 
 All is in one file, so that it opens from anywhere: maps are small images within it, movements are
 told by a few instants and drawn by the page itself.
@@ -142,7 +142,7 @@ def _point(memory: Memory, k: int) -> Values:
 
 
 def _movement(situation: Situation, time: np.ndarray, hand: np.ndarray) -> Values:
-    """Arm, trajectory and bodies until its end; lengths in 1/UNIT, times in ms."""
+    """Return arm, trajectory and bodies until its end; lengths in 1/UNIT, times in ms."""
     end = float(time[-1])
     keep = np.unique(np.linspace(0, len(time) - 1, 48).round().astype(int))
     return {
@@ -155,7 +155,7 @@ def _movement(situation: Situation, time: np.ndarray, hand: np.ndarray) -> Value
 
 
 def _bodies(situation: Situation, times: np.ndarray) -> list[Values]:
-    """Bodies at some instants: planar ones by shape and poses, cuts of solids by outlines."""
+    """Return bodies at times [s]: planar bodies as shape and poses, solids as outlines of cuts."""
     packed, frames = pack_bodies(situation), []
     for t in times:
         poses = np.zeros((len(situation.bodies), 12))
@@ -185,7 +185,7 @@ def _fewer(corners: np.ndarray) -> np.ndarray:
 
 
 def _whole(points: np.ndarray) -> list[int]:
-    """Points (n, 2) as one list of whole numbers."""
+    """Return points (n, 2) as one flat list of whole numbers, in 1/UNIT."""
     return [int(v) for v in np.rint(UNIT * np.asarray(points, dtype=float)).ravel()]
 
 

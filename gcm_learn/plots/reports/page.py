@@ -23,7 +23,7 @@ SCALE, SHARPNESS = 80, 1.5  # [CSS pixels per inch], pixels of an image per CSS 
 
 @dataclass(frozen=True)
 class Picture:
-    """An image file beside the page, or an image within it, and what it shows."""
+    """An image in a file beside the page, or within the page, with its caption."""
 
     file: str
     caption: str
@@ -114,13 +114,13 @@ def section(
 
 
 def words(page: str) -> dict[str, Any]:
-    """Return what a page says, from its text file among the templates."""
+    """Return the texts of a page, from its TOML file among the templates."""
     found = files(__package__).joinpath("templates", f"{page}.toml")
     return tomllib.loads(found.read_text("utf-8"))
 
 
 def fill(template: str, values: Mapping[str, Any]) -> str:
-    """Return one of the package's templates with values in it."""
+    """Return one of the package's templates, filled in with values."""
     return _templates().get_template(template).render({"back": ""} | dict(values))
 
 
@@ -142,7 +142,7 @@ def _marked(text: str) -> Markup:
 
 
 def picture_of(figure: Figure, path: Path, caption: str) -> Picture:
-    """Write a figure as a PNG file beside the page and return its place on the page."""
+    """Write a figure as a PNG file beside the page and return it as a picture of the page."""
     figure.savefig(path, dpi=SHARPNESS * SCALE, format="png")
     return Picture(path.name, caption, round(SCALE * figure.get_figwidth()))
 

@@ -1,4 +1,4 @@
-"""Pictures of an arm among solids for the README, like those of a planar arm."""
+"""Pictures of arms among solids for the README, like the pictures of a planar arm."""
 
 from __future__ import annotations
 

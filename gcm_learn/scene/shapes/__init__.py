@@ -1,4 +1,4 @@
-"""Shapes of bodies as kernels know them: one file for each, one choice between them.
+"""Shapes of bodies for kernels: one file for each shape, and one for the choice between shapes.
 
 A file of a shape holds its entry, with the number and the sizes that go into a body's row, and
 functions in the body's own frame:
@@ -14,5 +14,5 @@ function            answer                                                needed
 ``cut``             cut with the arm's plane, for a pose                  solids
 ==================  ====================================================  ============
 
-`entries.py` lists the entries. `choice.py` is the only file that branches on a body's shape.
+`choice.py` lists the entries and is the only file that branches on a body's shape.
 """

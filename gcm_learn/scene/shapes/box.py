@@ -30,7 +30,7 @@ def gap_of_bone(bodies, b, p, q):
 
 @njit(_nrt=False)
 def excess(p, half):
-    """Distance of p beyond [-half, half], with its sign."""
+    """Signed distance of p beyond the interval [-half, half]; 0 within."""
     return p - half if p > half else (p + half if p < -half else 0.0)
 
 
@@ -102,7 +102,7 @@ def long_axis(bodies, b):
 
 @njit(_nrt=False)
 def cut(bodies, poses, b, made):
-    """Cut a box with the plane z = 0: a square that surely holds it, clipped by six half-spaces."""
+    """Cut a box with the plane z = 0: clip a square that holds the cut by six half-spaces."""
     rows, corners, spare = bodies.rows, made.corners, made.spare
     x, y, z = rows[b, SIZE], rows[b, SIZE + 1], rows[b, SIZE + 2]
     bound = 2.0 * np.sqrt(x**2 + y**2 + z**2)

@@ -1,4 +1,4 @@
-"""The choice between shapes: kernels that ask any body, and branch on its shape here only.
+"""Kernels for bodies of any shape; only this file branches on a body's shape.
 
 Points are in the body's own frame unless a pose is given. A table has the packing of each shape.
 """
@@ -35,8 +35,8 @@ def gap(bodies, b, x, y, z):
 def gap_of_bone(bodies, b, p, q, near, far):
     """Distance of the segment p-q to body b, 0 when they meet; p and q are tuples of 3 floats.
 
-    It is exact up to `near`. If it is above, the answer may be larger, but is at most `far` if the
-    distance is. An answer above `far` says no more than that.
+    The answer is exact up to `near`. Above that it may be too large, but is at most `far` if the
+    distance is. An answer above `far` says only that the distance is above `far`.
     """
     kind = bodies.rows[b, KIND]
     if kind == POLYGON:
@@ -56,7 +56,7 @@ def gap_of_bone(bodies, b, p, q, near, far):
 
 @njit(_nrt=False)
 def part_near(bodies, b, p, q):
-    """Part of body b that is nearest to the segment p-q, which is convex; -1 for the whole body."""
+    """Row of the convex part of body b nearest to the segment p-q; -1 for the whole body."""
     kind = bodies.rows[b, KIND]
     if kind == CLOUD:
         return cloud.part_near(bodies, b, p, q)
@@ -82,14 +82,14 @@ def from_nearest(bodies, b, part, x, y, z):
 
 @njit(_nrt=False, forceinline=True)
 def is_convex(bodies, b):
-    """Return whether body b is convex, so that its distance is a convex function of the place."""
+    """Return whether body b is convex, so that a point's distance is convex in its position."""
     kind = bodies.rows[b, KIND]
     return kind != POLYGON and kind != CLOUD and kind != MESH
 
 
 @njit(_nrt=False)
 def inner_radius(bodies, b):
-    """Radius of the largest ball about its centre that solid b holds."""
+    """Radius of the largest ball about the centre of solid b that lies inside b."""
     kind = bodies.rows[b, KIND]
     if kind == BOX:
         return box.inner_radius(bodies, b)
@@ -149,9 +149,9 @@ def cut(bodies, poses, b, made):
 
 @njit
 def gap_in_plane(bodies, poses, b, x, y):
-    """Signed distance of the point (x, y) to what body b covers of the arm's plane.
+    """Signed distance of the point (x, y) to body b's region of the arm's plane.
 
-    `EMPTY_DISTANCE` if that is nothing. The region of a solid is its cut with the plane.
+    `EMPTY_DISTANCE` if the region is empty. The region of a solid is its cut with the plane.
     """
     if bodies.rows[b, BALL] > 0.0:
         return ball.gap_in_plane(bodies, poses, b, x, y)

@@ -30,7 +30,7 @@ ENTRY = ShapeEntry(CLOUD, _sizes, vertices=_tree)
 
 @njit(_nrt=False)
 def _nearest(bodies, b, p, q, least, near, far):
-    """Distance of the nearest point to the segment p-q, and its row."""
+    """Distance of the nearest point to the segment p-q, and the point's row."""
     return nearest(point_apart2, _ROWS, bodies, b, p, q, least, near, far)
 
 

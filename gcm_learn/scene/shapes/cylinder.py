@@ -22,7 +22,7 @@ _NORMAL = 1e-12  # axis along the normal: the ellipse is a circle to rounding
 
 @njit(_nrt=False, forceinline=True)
 def gap(bodies, b, x, y, z):
-    """Signed distance of a point, negative inside, as to a box in the half-plane through it."""
+    """Signed distance of a point, negative inside, computed in the half-plane of axis and point."""
     u = np.sqrt(x * x + y * y) - bodies.rows[b, SIZE]
     w = abs(z) - bodies.rows[b, SIZE + 1]
     inside = min(max(u, w), 0.0)

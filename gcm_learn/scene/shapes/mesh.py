@@ -78,7 +78,7 @@ def _edges(v, row):
 
 @njit(_nrt=False)
 def _apart2(t, row, p, d, inverse, far):
-    """Squared distance of a triangle: by its plane, its edges, or 0 where the segment crosses."""
+    """Squared distance of the triangle in a row to the segment from p to p + d; 0 if they cross."""
     corner, u, v, n = _edges(t, row)
     p = _minus(p, corner)
     q = p[0] + d[0], p[1] + d[1], p[2] + d[2]
@@ -105,7 +105,7 @@ def _apart2(t, row, p, d, inverse, far):
 
 @njit(_nrt=False)
 def _nearest(bodies, b, p, q, near, far):
-    """Distance of the nearest triangle to the segment p-q, and its row."""
+    """Distance of the nearest triangle to the segment p-q, and the triangle's row."""
     return nearest(_apart2, _ROWS, bodies, b, p, q, 0.0, near, far)
 
 

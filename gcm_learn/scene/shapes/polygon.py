@@ -1,4 +1,4 @@
-"""Polygons in the arm's plane: simple, convex or not. A row holds where its vertices stand."""
+"""Simple polygons in the arm's plane, convex or not; a body's row has the range of its vertices."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def segments_cross(ax, ay, bx, by, cx, cy, dx, dy):
 
 @njit(_nrt=False, forceinline=True)
 def _off_edge2(wx, wy, dx, dy, inverse):
-    """Squared distance of w to the segment from the origin to d, whose inverse squared length."""
+    """Squared distance of w to the segment from the origin to d; `inverse` is 1 / |d|^2."""
     s = min(max((wx * dx + wy * dy) * inverse, 0.0), 1.0)
     wx, wy = wx - s * dx, wy - s * dy
     return wx * wx + wy * wy

@@ -47,7 +47,7 @@ def new_cut():
 
 @njit(_nrt=False)
 def placed(corners, count, x, y):
-    """Shift a polygon's first corners and drop the ones that repeat the one before them.
+    """Shift a polygon's first `count` corners by (x, y); drop corners equal to the one before.
 
     Returns the number that is left.
     """

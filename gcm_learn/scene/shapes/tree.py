@@ -26,7 +26,7 @@ Rooted = TypeVar("Rooted", bound=Surface)
 
 
 def kept(build: Callable[[Rooted], np.ndarray]) -> Callable[[Rooted], np.ndarray]:
-    """Return a function that builds the tree of a shape once, for as long as the shape is there."""
+    """Wrap `build` so that a shape's tree is built once and kept as long as the shape exists."""
     trees: WeakKeyDictionary[Rooted, np.ndarray] = WeakKeyDictionary()
 
     def tree(shape: Rooted) -> np.ndarray:
@@ -38,7 +38,7 @@ def kept(build: Callable[[Rooted], np.ndarray]) -> Callable[[Rooted], np.ndarray
 
 
 def depth_of(count: int, leaf: int) -> int:
-    """Return the depth of a tree whose leaves hold at most `leaf` of so many parts."""
+    """Return the depth of a tree of `count` parts with at most `leaf` parts in each leaf."""
     return max(0, int(np.ceil(np.log2(count / leaf))))
 
 
@@ -96,7 +96,7 @@ def _divide(centres, radii, order, nodes):
 
 @njit(_nrt=False)
 def _part(centres, axis, order, low, high, middle):
-    """Order the parts from `low` to `high` so that none before `middle` lies behind it (Hoare)."""
+    """Reorder order[low:high]: parts with lower centres along `axis` before `middle` (Hoare)."""
     while high - low > 1:
         pivot = centres[order[(low + high) // 2], axis]
         i, j = low, high - 1
@@ -159,8 +159,8 @@ def nearest(apart2, rows_of_part, bodies, b, p, q, least, near, far):
         Squared distance of a part, as `point_apart2`.
     rows_of_part : int
     least, near, far : float
-        Distance at which the search stops; up to which it is exact; and from which on no part is
-        asked for. Between the last two, any part is as good as the nearest.
+        The search stops at a distance of `least`, is exact up to `near`, and passes over parts
+        from `far` on. Between `near` and `far` any part is as good as the nearest.
 
     Returns
     -------

@@ -26,7 +26,7 @@ ROW_COLUMNS = COLUMNS + 3
 
 
 class World(NamedTuple):
-    """Many situations in the frames of their arms, one after the other."""
+    """Many situations as flat arrays, each in the frame of its arm."""
 
     rows: np.ndarray  # (m, ROW_COLUMNS): all bodies
     vertices: np.ndarray  # (v, 2): of all bodies
@@ -109,7 +109,7 @@ def world_of(
     rows: Callable[[Sequence[Scene]], np.ndarray] = fields_in_rows,
     wanted: Sequence[tuple[int, int]] | None = None,
 ) -> World:
-    """Pack scenes of one kind of arm side by side.
+    """Pack scenes of one kind of arm into a `World`.
 
     Parameters
     ----------

@@ -59,9 +59,9 @@ def follow(bodies, b, count, moments):
 
 @njit(_nrt=False)
 def exactly(bodies, b, count, moments, poses, least_only):
-    """`follow`, with distances to bodies themselves where those are near.
+    """Write centres and gaps as `follow`, with exact distances to bodies that are near.
 
-    With `least_only` only gaps smaller than earlier ones count, and are exact.
+    With `least_only`, only gaps that may be less than all earlier ones are made exact.
     """
     if bodies.rows[b, SWING] >= 0.0:
         for k in range(count):
@@ -204,7 +204,7 @@ def _gaps(x, y, z, reach, hx, hy, ex, ey, gaps):
 
 @njit(_nrt=False)
 def _narrow(scene, floor, t, limbs, room, poses):
-    """Lower the gaps `room` (RAYS,) of limbs (5, RAYS) to those of the obstacles at t [s]."""
+    """Lower `room` (RAYS,) to the gaps less `floor` of limbs (5, RAYS) and obstacles at t [s]."""
     bodies, n = scene.bodies, scene.bodies.rows.shape[0]
     hx, hy, ex, ey, gaps = limbs[0], limbs[1], limbs[2], limbs[3], limbs[4]
     for balls in (True, False):  # balls first: what they leave is checked closely
@@ -224,7 +224,7 @@ def _narrow(scene, floor, t, limbs, room, poses):
 
 @njit
 def tell_fan(scene, floor, view, dx, dy, poses, row, at):
-    """For every ray how far the hand can go before the limb touches, and how near it comes.
+    """Write for every ray the free way of the hand, and the least gap of the limb on that way.
 
     The first ray is in direction (dx, dy), the others follow counter-clockwise.
 

@@ -1,4 +1,4 @@
-"""Observations of planar arms: compiled code, and the table of its numbers.
+"""Observations of planar arms: compiled code, and the counts of observed numbers.
 
 All numbers are dimensionless: lengths in forearms, velocities in hand speeds, times as the way that
 the hand can make in them. Vectors are in the frame of the moment, in which the hand is on the x
@@ -79,7 +79,7 @@ def _missing(scene, catch, radius, view, wait, place):
 
 @njit(_nrt=False, forceinline=True)
 def _meeting_by(centre, scene, catch, b, view, poses):
-    """`meeting` of a body whose centre is found by a function: `glide` or `swing`."""
+    """Return the meeting with body b; the function `centre` places it: `glide` or `swing`."""
     bodies, since, end = scene.bodies, view.t, scene.limits.horizon
     radius = bodies.rows[b, REACH]
     step = (end - since) / _INSTANTS
@@ -107,7 +107,7 @@ def _meeting_by(centre, scene, catch, b, view, poses):
 
 @njit(_nrt=False)
 def meeting_with(scene, catch, b, view, poses):
-    """The meeting with target b.
+    """Return the meeting with target b.
 
     Approximate: 16 instants and a few bisections, with balls for bodies.
     """
@@ -151,7 +151,7 @@ def observe(world, state, e, options, out, workspace):
 
 @njit(_nrt=False)
 def _first_meeting(scene, catch, view, poses):
-    """The target that can be met first, and the meeting."""
+    """Return the target that can be met first, and the meeting."""
     target, first = -1, HandMeeting(1e300, False, view.x, view.y)
     for b in range(scene.bodies.rows.shape[0]):
         if scene.bodies.rows[b, PART] != HAND:
@@ -266,7 +266,7 @@ def _look_ahead(scene, view, first, workspace):
 
 @njit(_nrt=False, forceinline=True)
 def _note(b, moments, gaps):
-    """Write the least gap of all moments, its moment, and the gap of the first one."""
+    """Write the least gap of body b over all moments, its moment (0 to 1), and the first gap."""
     least, late = 1e300, 0
     for k in range(MOMENTS):
         room = max(moments[k, nearness.ROOM], 0.0)
@@ -278,7 +278,7 @@ def _note(b, moments, gaps):
 
 @njit(_nrt=False)
 def _tell_obstacles(scene, floor, view, slots, workspace, row):
-    """Write the `slots` obstacles that come nearest; returns where what follows begins."""
+    """Write the `slots` obstacles that come nearest; return the index in `row` after them."""
     moments, gaps = workspace.moments, workspace.gaps
     ex, ey = moments[0, nearness.ELBOW_X], moments[0, nearness.ELBOW_Y]
     for k in range(2):  # moments of a limb that rests

@@ -20,7 +20,7 @@ MOMENTS = 6  # most moments that are compared at once
 
 
 class Workspace(NamedTuple):
-    """Buffers that all arms use, one after the other."""
+    """Buffers that are shared by arms stepped one after the other."""
 
     time: np.ndarray  # (2,): of the hand's step [s]
     hand: np.ndarray  # (2, 2): its two ends

@@ -99,7 +99,7 @@ def reach_out(scene, rules, span, first, second, options, hand):
 
 @njit
 def advance(world, state, e, first, second, options, workspace):
-    """Move arm e on by a step and judge it.
+    """Move arm e by one step; return the outcome.
 
     Parameters
     ----------
@@ -152,7 +152,7 @@ def _shorten(time, hand, end):
 
 @njit(_nrt=False)
 def time_to_go(world, s, x, y):
-    """Time to go as a share of the horizon, from the situation's field; 1 where it is not known."""
+    """Return the time to go from (x, y) as a share of the horizon; 1 where the field knows none."""
     n = world.fields.shape[1]
     pitch = 0.5 * n / world.limbs[s, FAR]  # the field's lattice reaches from rim to rim
     fx, fy = x * pitch + 0.5 * n - 0.5, y * pitch + 0.5 * n - 0.5
@@ -167,7 +167,7 @@ def time_to_go(world, s, x, y):
 
 @njit
 def step(world, state, e, actions, options, told, workspace):
-    """One step of arm e.
+    """Make one step of arm e; write its outcome and reward terms.
 
     Parameters
     ----------

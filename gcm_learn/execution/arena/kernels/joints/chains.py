@@ -1,4 +1,4 @@
-"""Limbs in the arena: what is told of them, and rows of a world's limbs.
+"""Limbs in the arena: their numbers in observations, and their rows in a `World`.
 
 A row holds counts, then fields of `ChainLimb` one after the other. Arms of a world have as many
 joints and links; shorter lists of pairs and of ignored bodies are filled up.
@@ -54,7 +54,7 @@ def starts_of(world: World) -> np.ndarray:
 
 
 def _row_of(limb: ChainLimb, pairs: int, bodies: int) -> np.ndarray:
-    """Return a limb as a row (k,), its lists filled up to so many pairs and bodies."""
+    """Return a limb as a row (k,), its lists filled up to `pairs` pairs and `bodies` bodies."""
     more = np.zeros((pairs - len(limb.pairs), 2))
     ignored = np.zeros((len(limb.radii), bodies))
     ignored[:, : limb.ignored.shape[1]] = limb.ignored
@@ -110,7 +110,7 @@ def _read_table(row, at, out):
 
 @njit
 def limb_in(limb, world, s):
-    """Limb of situation s, in the arrays of a `blank` one."""
+    """Return the limb of situation s, in the arrays of `limb`, made by `blank`."""
     row = world.limbs[s]
     at = _read(row, _read(row, FIRST, limb.start), limb.rates)
     at = _read(row, _read(row, _read_table(row, at, limb.joints), limb.low), limb.high)
@@ -135,7 +135,7 @@ def limb_in(limb, world, s):
 
 
 class Buffers(NamedTuple):
-    """Arrays for two other places of a limb, and for steps in which it brakes."""
+    """Arrays for two further places of a limb, and for its steps of braking."""
 
     frames: np.ndarray  # (2, n + 1, 12)
     axes: np.ndarray  # (2, n, 6)
@@ -165,7 +165,7 @@ def buffers(limb):
 
 @njit(_nrt=False)
 def beside(limb, own, k):
-    """Return a limb that writes its places into the buffers, k being 0 or 1."""
+    """Return a limb that writes its places into the buffers of index k, 0 or 1."""
     for i in range(limb.radii.size):
         own.balls[k, i, 3] = limb.balls[i, 3]
     return ChainLimb(
@@ -244,7 +244,7 @@ def tell_approach(limb, place, q, scene, b, t, poses, row, at):
 
 @njit(_nrt=False)
 def nearest_point(limb, place, bodies, b, poses):
-    """Point on a link's axis that is nearest to body b at its pose.
+    """Return the link nearest to body b at its pose, and the nearest point on the link's axis.
 
     Links whose balls are farther off are left out.
 
@@ -255,7 +255,7 @@ def nearest_point(limb, place, bodies, b, poses):
     px, py, pz : float
         The point.
     x, y, z : float
-        From there to the nearest point of the body; 0 where they meet.
+        From that point to the nearest point of the body; 0 where they meet.
     radius : float
         Of the link, beyond the limb's thickness.
     """
@@ -279,7 +279,7 @@ def nearest_point(limb, place, bodies, b, poses):
 
 @njit(_nrt=False)
 def point_velocity_on(limb, place, i, joints, rates, x, y, z):
-    """Velocity (3) of a point of link i: the sum of what the joints before it do."""
+    """Return the velocity (3) of a point of link i: the sum over the joints before the link."""
     vx = vy = vz = 0.0
     for k in range(limb.carriers[i]):
         ax, ay, az = limb.axes[k, 3], limb.axes[k, 4], limb.axes[k, 5]
@@ -292,9 +292,9 @@ def point_velocity_on(limb, place, i, joints, rates, x, y, z):
 
 @njit(_nrt=False)
 def brakes_slowly(limb, scene, speed, end, rates, span, own):
-    """Return whether the hand keeps its speed while the joints brake after a step.
+    """Return whether the hand keeps its speed limit while the joints brake after a step.
 
-    Joints and rates (dof,) are those after the step; the steps of braking are looked at.
+    `end` and `rates` (dof,) are joints and rates after the step; the steps of braking are checked.
     """
     posture, curve, n, longest = own.posture, own.curve, dof(limb), 0.0
     after, there, joints = own.rows[1], own.rows[2], own.rows[3]

@@ -1,10 +1,10 @@
-"""Fan of a spatial arm: 30 commands about the straight one, and the results of each.
+"""Fan of a spatial arm: 30 commands around the straight command, and the results of each.
 
 Commands of joints, in shares of their greatest speeds, are vectors in four dimensions. The fan has
 a frame there. Its first vectors are the straight command, the command that moves only the elbow,
 and the command that moves the hand outward. The last one is orthogonal to these. The straight
-command turned towards the other three by some angles gives the rays. Two more are half of it, and
-rest.
+command turned towards the other three by some angles gives the rays. Two more rays are half of
+it, and rest.
 """
 
 from __future__ import annotations
@@ -78,7 +78,7 @@ def commands_of(observations, aim, frame, rays, out):
 
 @njit(_nrt=False)
 def _across(a, row, at, out):
-    """Write what is orthogonal to three vectors (4,): `a` has them as rows, or `row` from `at`."""
+    """Write a vector orthogonal to three vectors (4,): rows of `a`, or in `row` from `at` on."""
     for j in range(4):
         p, q, r = (j + 1) % 4, (j + 2) % 4, (j + 3) % 4
         if at >= 0:
@@ -123,7 +123,7 @@ def _lay_frame(view, posture, e, row, at):
 
 @njit(_nrt=False)
 def _add(vector, row, at, count):
-    """Add what of a vector is orthogonal to the first `count` of a frame, if enough is."""
+    """Add a vector's part orthogonal to the frame's first `count`; False if it is too small."""
     size = np.sqrt(vector[0] ** 2 + vector[1] ** 2 + vector[2] ** 2 + vector[3] ** 2)
     if size < 1e-9:
         return False
@@ -145,7 +145,7 @@ def _add(vector, row, at, count):
 
 @njit(_nrt=False)
 def tell_fan(view, time, posture, e, body, aim, row, at):
-    """Write the frame of the fan, then of every ray how long it is free, how near it passes.
+    """Write the frame of the fan, then the free time, clearance and target gap of every ray.
 
     Parameters
     ----------
@@ -171,7 +171,7 @@ def tell_fan(view, time, posture, e, body, aim, row, at):
 
 @njit(_nrt=False)
 def _look(view, time, posture, e, body, aim, ray, row, at):
-    """Write the free time of a ray, its clearance until then, and the gap to the target."""
+    """Write the free time of a ray, its clearance until then, and its least gap to the target."""
     scene, unit, rates = view.scene, view.reach / view.pace, view.rates[0]
     limb = scene.limb
     bodies, poses, which = scene.bodies, view.desk.poses, view.desk.obstacles

@@ -118,7 +118,7 @@ def _missing(view, b, hand, t, wait, pace):
 
 @njit(_nrt=False)
 def _meeting_with(view, since, posture, e, b):
-    """The meeting with target b."""
+    """Return the meeting with target b."""
     end, poses = view.scene.limits.horizon, view.desk.poses
     for j in range(dof(view.scene.limb)):
         view.rates[0, j] = posture[e, j]
@@ -153,7 +153,7 @@ def _meeting_with(view, since, posture, e, b):
 
 @njit(_nrt=False)
 def first_meeting_in_view(view, since, posture, e):
-    """The target that can be met first, and the meeting."""
+    """Return the target that can be met first, and the meeting."""
     first = JointMeeting(-1, False, 1e300, 0.0, 0.0, 0.0)
     for b in range(view.scene.bodies.rows.shape[0]):
         if view.scene.bodies.rows[b, PART] != HAND:
@@ -167,7 +167,7 @@ def first_meeting_in_view(view, since, posture, e):
 
 @njit(_nrt=False)
 def way_to_go(view, since, posture, e):
-    """Way of the hand to the first meeting, as a share of the arm's span: what a guide shortens."""
+    """Return the guide's potential: the hand's way to the first meeting over the arm's span."""
     first = first_meeting_in_view(view, since, posture, e)
     for j in range(dof(view.scene.limb)):
         view.rates[0, j] = posture[e, j]

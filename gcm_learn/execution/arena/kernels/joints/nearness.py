@@ -59,7 +59,7 @@ def _share_of(bodies, b, part, p, d):
 
 @njit(_nrt=False)
 def nearest_on_bone(bodies, b, poses, p, q):
-    """Return the point of the bone from p to q nearest to body b at its pose, and the way there.
+    """Return the point of bone pq nearest to body b at its pose, and the vector to the body.
 
     The squared distance to a convex part is convex along the bone.
 
@@ -68,7 +68,7 @@ def nearest_on_bone(bodies, b, poses, p, q):
     share : float
         Of the bone, from p.
     x, y, z : float
-        From that point to the nearest one of the body; 0 where they meet.
+        From that point to the nearest point of the body; 0 where they meet.
     """
     rows = bodies.rows
     p = to_body(bodies, poses, b, p[0], p[1], p[2])
@@ -89,7 +89,7 @@ def nearest_on_bone(bodies, b, poses, p, q):
 
 @njit(_nrt=False)
 def centre_motion(bodies, b, t, poses):
-    """Velocity (3) and acceleration (3) of body b's centre at t [s]; its pose is overwritten."""
+    """Return velocity (3) and acceleration (3) of body b's centre at t [s]; overwrites its pose."""
     rows = bodies.rows
     if rows[b, SWING] < 0.0:
         ax, ay, az = rows[b, ACCELERATION], rows[b, ACCELERATION + 1], rows[b, ACCELERATION + 2]
@@ -150,7 +150,7 @@ def wish(scene, posture, e, command, span, out):
 
 @njit(_nrt=False)
 def lay(scene, posture, e, rates, span, end, curve):
-    """Write a step that ends with `rates` (dof,): its end (dof,) and its curve (dof, 4)."""
+    """Write the end (dof,) and the curve (dof, 4) of a step that ends with `rates` (dof,)."""
     limb, n = scene.limb, dof(scene.limb)
     q, v = posture[e, :n], posture[e, n:]
     free = scene.limits.joint_acceleration[0] == np.inf

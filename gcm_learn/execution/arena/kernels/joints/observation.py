@@ -1,4 +1,4 @@
-"""Observations of arms that move in their joints: compiled code, and the table of its numbers.
+"""Observations of arms that move in their joints: compiled code and counts of numbers.
 
 All is a function of the scene, the time, the joints and their rates. Vectors are in the frame of
 the arm's base, lengths in the arm's reach. In the unit of time the fastest hand makes a reach, and
@@ -106,12 +106,12 @@ def _tell_arm(view, time, posture, e, where, dt, row):
 
 @njit(_nrt=False)
 def _tell_target(view, time, posture, e, where, row):
-    """Write the target that can be met first, and where; the aim at it is left in the view.
+    """Write the target that can be met first and its meeting; leave the aim at it in the view.
 
     Returns
     -------
     int
-        Which body it is.
+        Index of the target among the bodies.
     """
     scene, reach, poses = view.scene, view.reach, view.desk.poses
     at, n = arm_numbers(scene.limb), dof(scene.limb)
@@ -148,7 +148,7 @@ def _tell_target(view, time, posture, e, where, row):
 
 @njit(_nrt=False)
 def _ahead(view, k):
-    """Place of a limb that follows its aim until moment k ahead."""
+    """Return the place of the limb after following its aim until moment k ahead."""
     limb, limits, unit = view.scene.limb, view.scene.limits, view.reach / view.pace
     for j in range(dof(limb)):
         turn = view.rates[meeting.AIM_ROW, j] * limits.joint_speed[j] * AHEAD[k] * unit

@@ -19,7 +19,7 @@ HORIZON = -1  # column of a world's limits, the fields of `JointLimits` one afte
 
 
 class ArmView(NamedTuple):
-    """A situation, and buffers for one arm in it."""
+    """A situation, with buffers for one arm."""
 
     scene: Scene
     rules: Rules
@@ -65,7 +65,7 @@ def views_for(world, state, first, last):
 
 @njit
 def _left_in(world, state, e, rows):
-    """Return the bodies of arm e's situation, its caught targets being gone.
+    """Return the bodies of arm e's situation, with caught targets marked as gone.
 
     One target always stays: if all were caught, the last one.
     """
@@ -88,7 +88,7 @@ def _left_in(world, state, e, rows):
 
 @njit
 def view_in(world, state, e, room):
-    """Return what is left of the situation of arm e, with the buffers of another view."""
+    """Return a view of arm e's situation without caught targets, in the buffers of view `room`."""
     s = state.place[e]
     old, limb = room.desk, limb_in(room.scene.limb, world, s)
     scene = Scene(_left_in(world, state, e, room.rows), limb, _limits_in(world, s, dof(limb)))

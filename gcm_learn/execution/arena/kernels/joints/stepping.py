@@ -1,8 +1,8 @@
 """One step of an arm in its joints: end of the joints, catch or collision on the way, reward.
 
 The functions that verify plans (`first_meeting`, `least_on`) find catches and collisions within a
-step, on the same curve. It is a straight line in the joints, or the cubic from rates to rates under
-limits of acceleration.
+step, on the same curve. The curve is a straight line in the joints, or the cubic from rates to
+rates under limits of acceleration.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ _SLOWER = 1e-4  # share of the hand's speed that is not used, so that its check 
 
 @njit(_nrt=False)
 def stays_slow(scene, speed, end, rates, span, room):
-    """Return whether the hand keeps its speed on a step, and while the joints brake after it.
+    """Return whether the hand keeps its speed limit on a step and while braking after the step.
 
     Parameters
     ----------
@@ -61,7 +61,7 @@ def stays_slow(scene, speed, end, rates, span, room):
 
 @njit(_nrt=False)
 def _slowed(scene, speed, span, rates, curve, work):
-    """Scale rates (dof,) that hold during a step so that the hand keeps its speed."""
+    """Scale the rates (dof,) of a step so that the hand keeps its speed limit."""
     limb = scene.limb
     before, middle = hand_rate(limb, curve, 0.0, work), hand_rate(limb, curve, 0.5, work)
     after = hand_rate(limb, curve, 1.0, work)
@@ -122,7 +122,7 @@ def reach_out(scene, speed, posture, e, command, span, end, room):
 
 @njit
 def advance(world, view, state, e, command, dt):
-    """Move arm e on by a step and judge it.
+    """Move arm e by one step; return the outcome.
 
     Parameters
     ----------
@@ -183,7 +183,7 @@ def advance(world, view, state, e, command, dt):
 
 @njit(_nrt=False)
 def _cut(scene, state, e, took, span, view):
-    """End the step in the view's curve after `took` of `span` [s]: its end, rates and curve."""
+    """Cut the step of `span` [s] in the view after `took` [s]: its end, rates and curve."""
     curve, end, rates = view.desk.curve, view.joints[0], view.rates[0]
     n = dof(scene.limb)
     s = took / span if span > 0.0 else 0.0
@@ -199,7 +199,7 @@ def _cut(scene, state, e, took, span, view):
 
 @njit
 def step(world, state, e, commands, options, told, room):
-    """One step of arm e, and its pay.
+    """Make one step of arm e; write its outcome and reward terms.
 
     Parameters
     ----------
@@ -214,7 +214,7 @@ def step(world, state, e, commands, options, told, room):
     Returns
     -------
     View
-        Of the arm's situation, in that room.
+        Of the arm's situation, in the buffers of `room`.
     """
     s, since = state.place[e], state.time[e]
     view, had = view_in(world, state, e, room), count_caught(state, e)
@@ -237,7 +237,7 @@ def can_stop(scene: Scene, speed: float, dt: float) -> bool:
     ----------
     scene : Scene
     speed : float
-        That the hand keeps [lengths/s].
+        Limit of the hand's speed [lengths/s].
     dt : float
         A step [s].
     """
