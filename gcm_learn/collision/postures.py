@@ -1,10 +1,10 @@
-"""A spatial limb among moving bodies: at a posture, over a move, while it rests.
+"""Distances of a spatial limb to moving bodies: at a posture, over a move, or at rest.
 
 Everything is in the frame of the limb's base. A *touch* is the distance of the bones at which an
-obstacle counts as touching the limb: its thickness, and what a planner keeps beyond. A move is a
-cubic in the joints (a straight line mostly) and is judged over all of its instants. The limb and
-every body are asked in the middle of a span. Bounds of their motion say for how much of the span
-the answer holds; if not for all, both halves are asked.
+obstacle counts as touching the limb: the limb's thickness and a planner's clearance. A move is a
+cubic in the joints (a straight line mostly) and is judged over all of its instants. Distances are
+computed in the middle of a span. Bounds of the motion say for how much of the span they hold; if
+not for all, both halves are searched.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ class Desk(NamedTuple):
 
 @njit
 def desk_of(scene):
-    """Return the arrays for questions about a scene."""
+    """Return the working arrays for queries about a scene."""
     rows = scene.bodies.rows
     which = np.empty(rows.shape[0], dtype=np.int64)
     count = 0
@@ -85,7 +85,7 @@ def margin_at(bodies, b, t):
 
 @njit(_nrt=False)
 def _gap_to_links(limb, where, slack, bodies, b, t, off, enough, poses):
-    """Ask link by link; the ball that holds the body bounds what is farther."""
+    """Compute `gap_to` link by link; the body's ball suffices for distances above `enough`."""
     turned, margin = centre_at(bodies, b, t, poses), margin_at(bodies, b, t)
     enough += margin
     x, y, z, reach = poses[b, 0], poses[b, 1], poses[b, 2], bodies.rows[b, REACH]
@@ -108,7 +108,7 @@ def _gap_to_links(limb, where, slack, bodies, b, t, off, enough, poses):
 
 @njit(_nrt=False, forceinline=True)
 def _gap_to_capsules(limb, where, slack, bodies, b, t, off, enough, poses):
-    """Ask only the links whose balls are near to the body's, which are mostly none."""
+    """Compute `gap_to` from the links whose balls are near the body's ball, mostly none."""
     turned, margin = centre_at(bodies, b, t, poses), margin_at(bodies, b, t)
     enough += margin
     far = enough + off + bodies.rows[b, REACH]
@@ -141,7 +141,7 @@ def _hinged_room(bodies, b, elbow, slack, poses):
 
 @njit(_nrt=False)
 def _gap_to_near(arrays, count, bodies, b, t, turned, off, enough, bones, poses):
-    """Ask some links.  The ball about a link settles most, the distance of its axis the others.
+    """Compute `gap_to` from `count` near links: by balls first, by the links' axes if need be.
 
     The links of a limb of two `bones` are long, and their balls settle little.  The first begins at
     the shoulder, which does not move.
@@ -195,7 +195,12 @@ enough : float
 @njit(_nrt=False)
 def distance_at(scene, q, t, desk):
     """Distance of the limb at joints q (n,) to the nearest obstacle at t [s]; see `gap_to`."""
-    best, where = 1e300, limbs.place(scene.limb, q)
+    return _nearest(scene, limbs.place(scene.limb, q), t, 1e300, desk)
+
+
+@njit(_nrt=False)
+def _nearest(scene, where, t, best, desk):
+    """Distance of the limb at a place to the nearest obstacle at t [s], `best` at most."""
     slack = limbs.still(scene.limb)
     for k in range(desk.obstacles.size):
         found, _ = gap_to(
@@ -225,16 +230,14 @@ def free_at(scene, q, t, touch, desk):
 @njit(_nrt=False)
 def gap_at(scene, q, t, desk):
     """Distance as of `distance_at`, or of the limb to itself if that is less."""
-    found = distance_at(scene, q, t, desk)
-    return min(
-        found,
-        limbs.self_gap(scene.limb, limbs.place(scene.limb, q), limbs.still(scene.limb), 1e300)[0],
-    )
+    where = limbs.place(scene.limb, q)
+    itself, _ = limbs.self_gap(scene.limb, where, limbs.still(scene.limb), 1e300)
+    return _nearest(scene, where, t, itself, desk)
 
 
 @njit(_nrt=False)
 def _least_of(scene, since, until, floor, resolution, best, first, desk):
-    """`least_on` for the obstacles from the `first` to the CHUNK after it."""
+    """Compute `least_on` for at most CHUNK obstacles, from index `first` on."""
     count, when = min(desk.obstacles.size - first, CHUNK), -1.0
     desk.spans[0, 0], desk.spans[0, 1] = 0.0, 1.0
     desk.waiting[0] = (np.int64(1) << count) - 1

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 import time as clock
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from contextlib import redirect_stdout
 from copy import deepcopy
 from dataclasses import fields
@@ -90,7 +90,7 @@ def judged_anew(situation: AnySituation, plan: Plan) -> tuple[str | None, float 
 
 
 def _missing(situation: AnySituation, plan: Plan) -> str | None:
-    """Return what is wrong with the targets that a plan catches, and with their order."""
+    """Return the fault in a plan's list of caught targets, or in its order, if there is a fault."""
     bodies, wanted = [body.name for body in situation.bodies], len(situation.targets)
     names, times = zip(*((one["body"], one["time"]) for one in plan.catches), strict=True)
     if situation.catch == "any" and len(names) > 1:
@@ -109,7 +109,7 @@ def _missing(situation: AnySituation, plan: Plan) -> str | None:
 def _missed_on_the_way(
     situation: AnySituation, moves: Movement, name: str, time: float
 ) -> str | None:
-    """Return what verification says against a catch on the way, at one of the samples."""
+    """Return the fault of a catch on the way, which must be at a sample; None if it holds."""
     if not np.abs(moves.time - time).min() <= PLACE_SLACK:
         return f"catches {name!r} at {time:g} s, which is no sample"
     fault, _ = verified_anew(situation, moves.until(time), name)
@@ -119,7 +119,7 @@ def _missed_on_the_way(
 def _all_held(
     situation: AnySituation, moves: Movement, plan: Plan
 ) -> tuple[str | None, float | None]:
-    """Return what verification says against a movement that goes on after its catches."""
+    """Return the fault, if any, and clearance of a movement that goes on after its catches."""
     bodies, asked, full, last = [body.name for body in situation.bodies], [], -np.inf, 0.0
     carries: list[tuple[Carry, float]] = []
     # at one instant, a catch without a hold comes first
@@ -159,7 +159,7 @@ def _all_held(
 
 
 def _carried_anew(carry: Carry, placed: float) -> str | float:
-    """Return what verification says against a carry, or its clearance."""
+    """Return the fault of a carry as text, or the carry's clearance."""
     moves, name = carry.moves, carry.target.name
     k = int(np.abs(moves.time - placed).argmin())
     if not abs(moves.time[k] - placed) <= PLACE_SLACK or placed <= carry.held:
@@ -175,9 +175,9 @@ def _carried_anew(carry: Carry, placed: float) -> str | float:
 def verified_anew(
     situation: AnySituation, moves: Movement, target: str, ask: Ask | None = None
 ) -> tuple[str | None, float | None]:
-    """Return what verification says against a movement to a target, and the clearance.
+    """Return the fault, if any, and the clearance of a movement to a target.
 
-    For what may be asked of its end see `verify`.
+    For demands on the movement's end, `ask`, see `verify`.
     """
     scene = pack(situation, max(situation.horizon, moves.duration))
     body = [body.name for body in situation.bodies].index(target)
@@ -191,7 +191,7 @@ def verified_anew(
 
 
 def _agree(moves: Movement, path: np.ndarray) -> bool:
-    """Return whether joints of a planar arm lead to its hands, up to whole turns."""
+    """Return whether the joints of a planar arm lead the hand along `path`, up to whole turns."""
     off = moves.joints - Movement.of_hand(moves.arm, moves.time, path).joints
     turns = 2.0 * np.pi * np.round(off[0] / (2.0 * np.pi))
     return bool((np.abs(off - turns) <= JOINT_SLACK).all())
@@ -210,11 +210,11 @@ _BY_HAND = ByKind({PLANAR: True}, default=False)
 
 
 class _Broken(Exception):
-    """A plan does not keep what it promises; the message says why."""
+    """Error of a plan that breaks a promise; the message says how."""
 
 
 class Outside:
-    """A planner whose answers are verified, once, whatever they are.
+    """Planner from outside of the package; each of its answers is verified once.
 
     It plans for a copy of the situation, for a limited time. A planner that fails answers with the
     status "error", one that promises too much with "broken"; both have a message.
@@ -235,11 +235,11 @@ class Outside:
 
     @property
     def anytime(self) -> bool:
-        """True if it takes a deadline; see `Anytime`."""
+        """True if the planner takes a deadline; see `Anytime`."""
         return getattr(self.planner, "anytime", False) is True
 
     def takes(self, kind: Kind) -> bool:
-        """Return whether it takes arms of a kind: planar arms only, unless it says so."""
+        """Return whether the planner takes arms of a kind; by default planar arms only."""
         try:
             return takes(self.planner, kind)
         except Exception as error:
@@ -247,7 +247,7 @@ class Outside:
             raise UnknownNameError(f"planner {self.name!r}: {reason}") from error
 
     def plan(self, situation: AnySituation, **given: Any) -> Plan:
-        """Answer a situation; a deadline is for planners that take one."""
+        """Answer a situation; `given` may have a deadline if the planner takes deadlines."""
         since, shown, form = clock.perf_counter(), deepcopy(situation), situation.format
         status, message, answer = "error", "", None
         try:
@@ -275,7 +275,7 @@ class Outside:
 
 
 def _values(answer: Any, situation: AnySituation) -> dict[str, Any]:
-    """Return the values of a verified plan, but for its planner and its time.
+    """Verify an answer; return the values of its plan, except planner and planning time.
 
     Each value is read once. Only numbers and text of the answer are kept.
     """
@@ -318,10 +318,14 @@ def _catch(told: dict[str, Any], situation: AnySituation) -> dict[str, Any]:
             "status": "caught",
             "catch_time": _number(told["catch_time"], "catch_time"),
             "catch_body": told["catch_body"] if type(told["catch_body"]) is str else None,
-            "held_until": _maybe((told["held_until"],)),
-            "placed": _maybe((told["placed"],)),
+            "held_until": _maybe("held_until", told["held_until"]),
+            "placed": _maybe("placed", told["placed"]),
             "on_the_way": tuple(
-                Catch(str(name), _number(time, "on_the_way"), _maybe(rest), _maybe(rest[1:]))
+                Catch(
+                    str(name),
+                    _number(time, "on_the_way"),
+                    *(_maybe("on_the_way", given) for given in rest),
+                )
                 for name, time, *rest in told["on_the_way"]
             ),
             "trajectory": moves,
@@ -335,13 +339,13 @@ def _catch(told: dict[str, Any], situation: AnySituation) -> dict[str, Any]:
     return values | {"clearance": clearance}
 
 
-def _maybe(given: Sequence[Any]) -> float | None:
-    """Return the one time that is given, if it is."""
-    return None if not given or given[0] is None else _number(given[0], "held_until")
+def _maybe(name: str, given: Any) -> float | None:
+    """Return a time [s] of a field, or None."""
+    return None if given is None else _number(given, name)
 
 
 def _movement(given: Any, situation: AnySituation) -> Movement:
-    """Return a movement made anew of the numbers of one from outside."""
+    """Return a new movement, with checked copies of the numbers of a movement from outside."""
     if not isinstance(given, Movement):
         raise _Broken(f"its trajectory is {_kind_of_thing(given)} in place of a Movement")
     if given.arm != situation.arm:

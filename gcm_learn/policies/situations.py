@@ -5,13 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from gcm_learn import execution
 from gcm_learn.arms import PLANAR, ByKind
 from gcm_learn.errors import PolicyError
 from gcm_learn.planners import Plan, get_planner
 from gcm_learn.policies.plan import Share
+
+if TYPE_CHECKING:
+    from gcm_learn.dataset import Record
 
 PLANNER = "search"  # what it catches can be caught
 RECORDED = "layered"  # of records its catches are shown
@@ -33,11 +36,11 @@ class Lot:
 
     @property
     def pool(self) -> execution.Pool:
-        """Packed for the arena."""
+        """Situations packed for the arena."""
         return execution.pool_for(self.settings, self.situations)
 
     def shown(self) -> Lot:
-        """Only what has a catch."""
+        """Return the situations that have a catch."""
         rows = [i for i, path in enumerate(self.paths) if path is not None]
         return Lot(
             [self.situations[i] for i in rows],
@@ -85,16 +88,8 @@ def _lists(lot: Lot) -> tuple[list, list, list]:
 
 def _records(share: Share, plans: bool, settings: execution.ArenaSettings) -> Lot:
     """Records of a dataset."""
-    from gcm_learn import dataset  # needs pyarrow
-
-    found = dataset.open(share.source).where(split=share.split)
-    if share.strata:
-        found = found.where(stratum=share.strata)
-    if share.families:
-        found = found.where(family=share.families)
     lot = Lot([], [], [], settings)
-    for k in range(min(share.count, len(found))):
-        record = found[k]
+    for record in _wanted(share):
         plan = record.plans.get(RECORDED)
         lot.situations.append(record.situation)
         lot.groups.append(record.stratum)
@@ -108,7 +103,10 @@ def _drawn(share: Share, plans: bool, settings: execution.ArenaSettings) -> Lot:
     names = [PLANNER if share.reachable else "", share.caught_by]
     judges = {name: get_planner(name) for name in names if name}
     shows = get_planner(share.shown_by)
-    for drawn in execution.situations_of(share.source, share.count, share.seed, settings):
+    source: Any = share.source
+    if Path(source).is_dir():
+        source = [record.situation for record in _wanted(share)]
+    for drawn in execution.situations_of(source, share.count, share.seed, settings):
         situation: Any = execution.placed(drawn)[0]
         made = {name: judge.plan(situation) for name, judge in judges.items()}
         if not all(plan.caught for plan in made.values()):
@@ -120,6 +118,18 @@ def _drawn(share: Share, plans: bool, settings: execution.ArenaSettings) -> Lot:
         lot.groups.append(share.source)
         lot.paths.append(_path(plan))
     return lot
+
+
+def _wanted(share: Share) -> list[Record]:
+    """Return the wanted records of a dataset."""
+    from gcm_learn import dataset  # needs pyarrow
+
+    found = dataset.open(share.source).where(split=share.split)
+    if share.strata:
+        found = found.where(stratum=share.strata)
+    if share.families:
+        found = found.where(family=share.families)
+    return [found[k] for k in range(min(share.count, len(found)))]
 
 
 def _path(plan: Plan | None) -> Any:

@@ -7,7 +7,7 @@ import pytest
 
 from gcm_learn import families
 from gcm_learn.evaluation import turns
-from gcm_learn.execution import situations_of
+from gcm_learn.execution import SpatialSettings, situations_of
 from gcm_learn.policies.plan import Share, plan_of, read_plan
 from gcm_learn.policies.situations import gather
 
@@ -24,6 +24,26 @@ def test_a_share_of_a_dataset_is_of_one_split(marked_folder, split):
     if split == "train":  # also what is taken if nobody says which
         assert gather([Share(marked_folder, 1000)], plans=False).situations == wanted
         assert situations_of(marked_folder, 1000, 0) == wanted
+
+
+@pytest.mark.parametrize(
+    "choice",
+    [{"split": "validation"}, {"strata": ("W",)}, {"families": ("door-space", "crate-space")}],
+    ids=lambda choice: next(iter(choice)),
+)
+def test_a_share_of_a_dataset_in_space_holds_the_wanted_records_only(choice):
+    from gcm_learn import dataset
+
+    folder = str(Path(__file__).parents[2] / "data" / "sample-space")
+    lot = gather([Share(folder, 1000, **choice)], plans=False, settings=SpatialSettings())
+    split = choice.get("split", "train")
+    strata, names = choice.get("strata", "LWQU"), choice.get("families", families.family_names())
+    assert lot.situations == [
+        record.situation
+        for record in dataset.open(folder).where(split=split)
+        if record.stratum in strata and record.family in names
+    ]
+    assert 0 < len(lot.situations) < 200
 
 
 def drawn(seed):
