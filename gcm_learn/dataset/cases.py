@@ -1,4 +1,4 @@
-"""A situation and the answers of planners to it: its stratum, its plans, its map, its label."""
+"""Cases: a situation with the planners' answers to it: stratum, plans, map and label."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def planner_of(name: str, n: int, rungs: int) -> planners.Planner:
 
 
 class BaseCase(ABC):
-    """A situation and the answers of planners to it, each asked at most once, cheap ones first."""
+    """Situation with planners' answers; each planner is asked at most once, cheap ones first."""
 
     problem: Any
 
@@ -84,7 +84,7 @@ class BaseCase(ABC):
 
     @abstractmethod
     def _asked(self, name: str) -> planners.Plan:
-        """Return a planner's answer to a situation that needs one."""
+        """Return the answer of planner `name` to a situation without an early answer."""
 
     @abstractmethod
     def _bounded(self) -> planners.Bounds | planners.Yardstick:
@@ -96,7 +96,7 @@ class BaseCase(ABC):
         return self._early is not None and self._early.status == "start_blocked"
 
     def verdict(self, wanted: str | None = None) -> Verdict:
-        """Return the stratum, or "other" as soon as it is not the wanted one.
+        """Return the stratum, or "other" as soon as the wanted stratum is ruled out.
 
         Straight line, a method that never waits and waiting are tried in this order until one
         catches. The oracle decides the rest if it is to label, and U if no movement can catch.
@@ -127,7 +127,7 @@ class BaseCase(ABC):
         return self._plans[name]
 
     def _planned(self, name: str) -> planners.Plan:
-        """Answer as the planner does, sharing what all of them need."""
+        """Return a planner's plan: the early answer, the plan of the bounds, or a new plan."""
         if self._early is not None:
             return replace(self._early, planner=name)
         if name == "oracle":
@@ -146,7 +146,7 @@ class BaseCase(ABC):
         return self._first_maps[name]
 
     def _explored(self) -> CognitiveMap:
-        """Return the map on its own, where no planner needed one."""
+        """Build the map, for a situation in which no planner made one."""
         kind = WaveParams if self.spec.map == "wave" else MarchingParams
         wait, scene = self.spec.map == "layered", self.problem.scene
         return build_map(self.situation, kind(n=self.spec.n), wait=wait, scene=scene)
@@ -168,7 +168,7 @@ class PlanarCase(BaseCase):
 
     @classmethod
     def examples(cls) -> tuple[AnySituation, ...]:
-        """Return a target that is free and one that is covered."""
+        """Return two situations: one with a free target, one with a covered target."""
         still = PlanarQuadratic((0.4, 1.4), (0.0, 0.0), (0.0, 0.0))
         ball = Body("target", "ball", Disc(0.08), still)
         lid = Body("obstacle", "lid", Disc(0.4), still)
@@ -203,7 +203,7 @@ class PlanarCase(BaseCase):
 
 
 class JointCase(BaseCase):
-    """A situation of an arm that moves in its joints; some catch stands for the earliest one."""
+    """Situation of an arm that moves in its joints; any catch is the label's upper bound."""
 
     @property
     def _several(self) -> bool:
@@ -224,7 +224,7 @@ class JointCase(BaseCase):
         return self._early is None and planners.any_straight(self.problem, INSTANTS).caught
 
     def _caught_without_waiting(self) -> bool:
-        """Return whether the persistent planner needs no rest for its catches."""
+        """Return whether the catch of the persistent planner holds without its rests."""
         plan = self.plan(self.spec.persistent)
         if self._several:
             return plan.trajectory is not None and not plan.trajectory.rests

@@ -31,7 +31,7 @@ STEP = WaveParams().step  # [tau] a step count is one Euler step of the wave, wh
 
 
 def map_cells(made: CognitiveMap) -> Sequence[Any]:
-    """The cells of a map, in the order of its columns."""
+    """Return the table cells of a map, in the order of the map's columns."""
     quantum, later, contact = made.kappa * STEP, made.later, made.interception
     cells = (
         counts_of(made.arrival, quantum).tobytes(),
@@ -57,7 +57,7 @@ def _way_cells(made: CognitiveMap) -> tuple[bytes, bytes | None]:
 
 
 def counts_of(arrival: np.ma.MaskedArray, quantum: float) -> np.ndarray:
-    """Arrivals as numbers of steps, little-endian uint16; masked ones are UNREACHED."""
+    """Convert arrivals to numbers of steps, little-endian uint16; masked arrivals to UNREACHED."""
     steps = np.rint(arrival.data / quantum)
     longest = UNREACHED - 1
     if np.any((steps > longest) & ~np.ma.getmaskarray(arrival)):
@@ -87,7 +87,7 @@ def map_of(situation: AnySituation, engine: str, n: int, cells: Sequence[Any]) -
 
 
 def _with_way(made: CognitiveMap, via: bytes, way: bytes | None) -> CognitiveMap:
-    """Return a map with the way of its front; of a chain's postures those to the contact."""
+    """Return a map with each node's predecessor, and the stored postures up to the contact."""
     back = np.frombuffer(via, "<i2").astype(int)
     nodes = np.where(back == 0, -1, back + np.arange(back.size))
     made = replace(made, via=nodes.reshape(made.chart.shape))
@@ -181,7 +181,7 @@ WINDOW = 4000  # examples among which the next one of a stream is drawn
 
 @dataclass(frozen=True, slots=True)
 class Example:
-    """The map of a record, without what it takes to plan on it."""
+    """Arrivals and obstacles of a record's map: enough to learn from, not to plan on."""
 
     index: int
     """Of the record's item."""
@@ -211,14 +211,14 @@ class Example:
 
 
 class MapCache(Sequence[Example]):
-    """The maps of a dataset, or of a part of one, at random.
+    """Random access to the maps of a dataset, or of a part of the dataset.
 
     Parameters
     ----------
     folder : Path
-        Where the arrays are.
+        Folder of the arrays.
     rows : (m,) ndarray of int
-        Which of their rows.
+        Rows of the arrays.
     labels : mapping of str to ndarray
         Columns (m,) that examples carry.
     """
@@ -304,14 +304,14 @@ def stream(
     labels: Sequence[str],
     part: tuple[int, int],
 ) -> Iterator[Example]:
-    """All maps once: groups come in a random order, and each map takes a random one's place.
+    """Yield every map once: groups in random order, maps shuffled within a window.
 
     Parameters
     ----------
     read : callable
         ``read(k)`` gives COLUMNS and labels of the k-th group of records.
     groups : int
-        How many there are.
+        Number of groups.
     seed, epoch, window, labels, part
         See `Dataset.stream`.
 

@@ -1,4 +1,4 @@
-"""Checks of single values of a specification; each says in one line what is wrong with which."""
+"""Checks of single values of a specification; one-line errors name the field and the fault."""
 
 from __future__ import annotations
 
@@ -38,13 +38,13 @@ def share(value: object, field: str) -> None:
 
 
 def choice(value: object, field: str, allowed: Collection[str]) -> None:
-    """Refuse anything but one of some strings."""
+    """Refuse anything but one of the allowed strings."""
     if not isinstance(value, str) or value not in allowed:
         raise SpecError(field, not_among(value, allowed))
 
 
 def distinct(values: object, field: str, allowed: Collection[str]) -> None:
-    """Refuse anything but a list of different strings, each one of some."""
+    """Refuse anything but a list of different allowed strings."""
     if not isinstance(values, tuple | list):
         raise SpecError(field, f"must be a list (got {values!r})")
     for k, value in enumerate(values):

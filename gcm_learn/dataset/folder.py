@@ -45,13 +45,13 @@ class Folder:
 
     @property
     def local(self) -> str | None:
-        """Path of the folder if it is on this machine."""
+        """Path of the folder if on this machine, else None."""
         return self._root if isinstance(self._files, LocalFileSystem) else None
 
     def caches(self) -> Path:
-        """Return the folder of caches: in the dataset if it can be written, else among the user's.
+        """Return the folder of caches: in the dataset if writable, else in the user's cache.
 
-        Caches of the shipped sample are among the user's, too.
+        Caches of the shipped sample are in the user's cache, too.
         """
         folder = Path(self._root)
         if os.access(folder, os.W_OK) and not _is_sample(folder):
@@ -72,7 +72,7 @@ class Folder:
         return posixpath.join(self._root, name)
 
     def make(self) -> None:
-        """Make the folder and that of its shards."""
+        """Make the dataset's folder and, within it, the folder of the shards."""
         self._files.makedirs(self.path(SHARDS), exist_ok=True)
 
     def exists(self, name: str) -> bool:
@@ -80,7 +80,7 @@ class Folder:
         return bool(self._files.exists(self.path(name)))
 
     def names(self, name: str = "") -> list[str]:
-        """Names of the files in a folder below this one, in order."""
+        """Return the sorted names of the entries of this folder, or of its subfolder `name`."""
         try:
             found = self._files.ls(self.path(name) if name else self._root, detail=False)
         except (FileNotFoundError, NotADirectoryError):
@@ -120,13 +120,13 @@ class Folder:
                 self._files.rm_file(temporary)
 
     def sweep(self, name: str = SHARDS) -> None:
-        """Remove what writers that were killed have left behind."""
+        """Remove the unfinished files that killed writers have left behind."""
         for left in self.names(name):
             if is_unfinished(left):
                 self.remove(f"{name}/{left}")
 
     def remove(self, name: str) -> None:
-        """Remove a file, if it is there."""
+        """Remove a file if it exists."""
         with contextlib.suppress(FileNotFoundError):
             self._files.rm_file(self.path(name))
 
@@ -137,7 +137,7 @@ class Folder:
 
 
 def _hint(url: str) -> str | None:
-    """Return which package a URL needs, if fsspec has it from another one."""
+    """Return the advice to install the package that fsspec needs for a URL, None without one."""
     known = known_implementations.get(url.partition("://")[0], {})
     package = known.get("class", "fsspec").partition(".")[0]
     return None if package == "fsspec" else f"needs {package}: pip install {package}"

@@ -29,7 +29,7 @@ QUANTILES = (0.01, 0.1, 0.5)
 
 
 def twins_of(folder: Folder, names: Sequence[str]) -> list[int]:
-    """Items that are a twin of one with a smaller index: turned, mirrored or listed otherwise."""
+    """Return the indices of twins of earlier items: turned, mirrored or listed otherwise."""
     indices, keys = [], []
     for table in _tables(folder, names, ["index", "twin_key"]):
         indices.append(table["index"].to_numpy())
@@ -135,7 +135,7 @@ def _groups(
 
 
 def _tables(folder: Folder, names: Sequence[str], columns: list[str]) -> Iterator[pa.Table]:
-    """Columns of one shard after the other, without failed items."""
+    """Yield the columns of each shard in turn, without failed items."""
     for name in names:
         table = read_columns(folder, name, [*columns, "error"])
         yield table.filter(table["error"].is_null()).select(columns)
@@ -211,7 +211,7 @@ def generate(
 
 
 class Estimate(NamedTuple):
-    """Missing records, the time [s] and size [bytes] that they take, and records made for it."""
+    """Number of missing records, their time [s] and size [bytes], and number of records sampled."""
 
     records: int
     seconds: float
@@ -258,7 +258,7 @@ def _sampled(spec: DatasetSpec, indices: list[int]) -> tuple[int, float, int]:
 
 
 def crew_for(folder: Folder, workers: int) -> Crew:
-    """Return processes that reach a folder: others than this one, since items may crash."""
+    """Return local processes, since items may crash; this process if no other has the files."""
     return LocalCrew(workers) if folder.shared else Here()
 
 
@@ -287,7 +287,7 @@ def _finish(
 
 
 def make_alone(spec: DatasetSpec, shard: int, url: str) -> ShardInfo:
-    """Make a shard whose processes died, item by item: one that kills its process is recorded."""
+    """Make a shard whose process died, item by item; record the items that kill their process."""
     work = partial(warmed, spec, partial(make_item, spec))
     with LocalCrew(1, ahead=1) as crew:
         records = list(crew.map(work, spec.indices(shard), partial(no_item, spec, error=DIED)))

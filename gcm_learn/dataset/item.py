@@ -50,10 +50,10 @@ def structure_of(situation: AnySituation) -> str:
 
 
 def parameters_of(situation: AnySituation) -> np.ndarray:
-    """Numbers (m,) float32 of a canonical situation; what they mean is its structure.
+    """Return the parameters (m,) float32 of a canonical situation; the structure explains them.
 
-    Targets come first; the obstacles' order is that of their distance from the shoulder, so that it
-    does not matter in which they were listed.
+    Targets come first; obstacles are sorted by kind, then by distance from the shoulder, so that
+    the order in which they were listed does not matter.
     """
     arm, horizon = situation.arm, situation.horizon
     numbers = RECORDS.of(situation).numbers(arm, horizon)
@@ -108,7 +108,7 @@ def _asked(body: Body) -> dict[str, tuple[float, ...]]:
 
 
 def _law(motion: Motion) -> str:
-    """Return the sign of a law of motion, which says how many numbers it has."""
+    """Return the sign of a law of motion: its kind, and the number of pieces or samples."""
     if isinstance(motion, Pendulum):
         return "~"
     if isinstance(motion, Piecewise):
@@ -119,7 +119,7 @@ def _law(motion: Motion) -> str:
 
 
 def _motion_numbers(body: Body, horizon: float) -> list[float]:
-    """Return place, ways and turns of a body, and how it is approached."""
+    """Return the numbers of a body's motion and approach, and of its hold, place and margin."""
     motion, radius = body.motion, body.shape.bounding_radius
     numbers: list[float] = []
     if isinstance(motion, Pendulum):
@@ -165,7 +165,7 @@ def _flight_numbers(
 
 
 def _seen(body: Body, orientation: tuple[float, ...]) -> np.ndarray:
-    """Return the axes of a body that show how it is turned."""
+    """Return the axes that show a body's orientation: z (3,) of a round body, else x and z (6,)."""
     axes = rotation_of(orientation)
     seen: np.ndarray = axes[:, 2] if entry_of(body.shape).is_round else axes[:, ::2].ravel()
     return seen
@@ -216,7 +216,7 @@ def no_item(spec: DatasetSpec, k: int, error: str | None = None) -> Record:
 
 
 def _find(spec: DatasetSpec, values: dict[str, Any]) -> bool:
-    """Draw until the situation is of the wanted stratum, and add what is known of it."""
+    """Draw until a situation has the wanted stratum; fill in `values`, return True if found."""
     k = values["index"]
     wanted = spec.wanted(k)
     while values["attempts"] < spec.attempts:
@@ -262,7 +262,7 @@ def _known(
 
 
 def case_of(situation: AnySituation, spec: DatasetSpec) -> BaseCase:
-    """Return a situation with the answers of planners to it, for its kind of arm."""
+    """Return the case of a situation, of the class for its kind of arm."""
     return CASES.of(situation)(situation, spec)
 
 

@@ -115,7 +115,7 @@ def spatial_word(situation: Situation[SpatialArm]) -> str:
 
 
 def chain_word(situation: Situation[Chain]) -> str:
-    """Return the word for the arm in a situation's structure, which says which arm it is."""
+    """Return the word for a chain in a situation's structure; a hash identifies the arm's model."""
     arm = situation.arm
     model = content_hash(json.dumps(arm_to_json(arm.model), sort_keys=True))[:8]
     hand = "" if arm.max_hand_speed is None else "+hand"
@@ -199,7 +199,7 @@ class RecordKind:
     path_cells: Callable[[Any], dict[str, Any]]
     """Cells of a plan's path."""
     path: Callable[[Any, Mapping[str, Any]], Any]
-    """Path of an arm, of its cells."""
+    """Path of an arm, from its cells."""
     frame: Callable[..., Frame | SpatialFrame]
     """Frame of base, angle and mirroring."""
     word: Callable[[Any], str]
@@ -211,11 +211,11 @@ class RecordKind:
     sizes: Callable[[Any], tuple[float, float]]
     """Length of the upper arm and top speed of the hand of a situation's arm."""
     persistent: str
-    """Planner whose catches are those by waiting."""
+    """Planner that can wait; its catches tell stratum Q from U."""
     map: Types
     """Columns of a map."""
     engines: tuple[str, ...]
-    """Engines that may make it."""
+    """Engines that may make the map."""
     largest: int
     """Cells along a side of a map at most."""
     efforts: bool
@@ -283,5 +283,5 @@ VERSIONS = tuple(kind.version for kind in RECORDS.entries())
 
 
 def kind_of_version(version: str) -> Kind:
-    """Return the kind of arm whose records have a format."""
+    """Return the kind of arm whose records have the format `version`."""
     return next(kind for kind in RECORDS if RECORDS.of(kind).version == version)

@@ -1,6 +1,6 @@
-"""The manifest of a dataset, made anew from its shards whenever it is written.
+"""The manifest of a dataset: made anew from the shards at each write.
 
-It is first written before the first shard, with the specification of what is to come.
+The first one is written before the first shard, with the specification of what is to come.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ def present(folder: Folder, spec: DatasetSpec, shards: Iterable[int]) -> dict[in
 
 
 def _difference(folder: Folder, name: str, spec: DatasetSpec) -> str:
-    """Say how the specification of a shard differs from another one."""
+    """Return the message on how the specification of a shard differs from `spec`."""
     there, wanted = header_of(folder, name)["spec"], spec_to_json(spec)
     fields = sorted(f for f in wanted if f != "count" and there.get(f) != wanted[f])
     differ = f" (they differ in {', '.join(fields)})" if fields else ""
@@ -79,7 +79,7 @@ def read_manifest(folder: Folder) -> Manifest | None:
 
 
 def write_manifest(folder: Folder, manifest: Manifest) -> None:
-    """Write the manifest, what is long at its end."""
+    """Write the manifest, with its long members at the end: specification and shards."""
     last = {name: manifest[name] for name in ("spec", "shards")}
     manifest = {name: value for name, value in manifest.items() if name not in last} | last
     folder.write(MANIFEST, (json.dumps(manifest, indent=1) + "\n").encode())
@@ -176,7 +176,7 @@ def _sum(counts: Iterable[Mapping[str, int]]) -> Counter[str]:
 
 
 def survey(path: str | os.PathLike[str]) -> Manifest:
-    """The manifest of a dataset, or what it would be now if it is not finished.
+    """Return the manifest of a finished dataset, or a current one of an unfinished dataset.
 
     ``planned`` is true if the final number of records is known. A folder without a manifest only
     has its shards, and is never complete.
@@ -194,7 +194,7 @@ def survey(path: str | os.PathLike[str]) -> Manifest:
 
 
 def faults_of(folder: Folder, *, hashes: bool = False) -> Iterator[str]:
-    """Yield a line for each shard that is missing, cut, or not the one of the manifest.
+    """Yield a line for each shard that is missing, cut, or different from the manifest's.
 
     Without `hashes` only sizes are compared, which is quick.
     """
@@ -219,7 +219,7 @@ def faults_of(folder: Folder, *, hashes: bool = False) -> Iterator[str]:
 
 
 def spec_of(folder: Folder) -> DatasetSpec:
-    """The specification of a dataset: of its manifest, or else of any shard.
+    """Return the specification of a dataset, from the manifest or else from the last shard.
 
     Raises
     ------

@@ -40,7 +40,7 @@ class Group(NamedTuple):
 
 
 class _Shelf:
-    """The shards of a dataset, and what of them has been read."""
+    """Shards of a dataset, with caches of the labels and row groups that have been read."""
 
     def __init__(self, folder: Folder, spec: DatasetSpec, names: list[str]) -> None:
         self.folder, self.spec, self.names = folder, spec, names
@@ -118,7 +118,7 @@ class Dataset(Sequence[Record]):
 
     @property
     def files(self) -> list[str]:
-        """Paths of its shards, which other libraries can read."""
+        """Paths of the dataset's shards: Parquet files that other libraries can read."""
         return [self._shelf.folder.path(name) for name in self._shelf.names]
 
     def __len__(self) -> int:
@@ -233,7 +233,7 @@ class Dataset(Sequence[Record]):
             raise DatasetError(f"{self.folder.url}: caches and streams are of maps of the plane")
 
     def groups(self) -> list[Group]:
-        """The row groups that hold its records, for readers that read whole ones."""
+        """Return the row groups that hold the records, for readers of whole row groups."""
         shelf = self._shelf
         shards = np.searchsorted(shelf.starts, self._places, side="right") - 1
         within = self._places - shelf.starts[shards]
@@ -289,7 +289,7 @@ def open_dataset(path: str | os.PathLike[str]) -> Dataset:
 
 
 def open_shard(folder: Folder, spec: DatasetSpec, name: str) -> Dataset:
-    """The records of one shard, twins included."""
+    """Open the records of one shard, twins included."""
     return _opened(_Shelf(folder, spec, [name]), [])
 
 

@@ -1,4 +1,4 @@
-"""A record of a dataset: the one table of its columns, how they are filled and how they are read.
+"""Records of a dataset: the one table of all columns, with how each is filled and read.
 
 `data/README.md` explains each column.
 """
@@ -46,16 +46,17 @@ def plan_column(planner: str) -> str:
 
 
 class Part(Generic[Value]):
-    """A part of a record: its columns, and both ways between its value and their cells.
+    """Part of a record: its columns, and the conversions between its value and their cells.
 
     Parameters
     ----------
     types : DataType, mapping of str to DataType or callable
-        Of one column of the part's name, of several by name, or of those that a specification has.
+        Type of one column of the part's name, types of columns by name, or a function that makes
+        these of a specification.
     pack : callable
-        ``pack(record, value)`` gives a cell for each column. None is nothing but empty cells.
+        ``pack(record, value)`` gives a cell for each column. For None all cells are empty.
     unpack : callable
-        ``unpack(record, *cells)`` gives the value back. Nothing but empty cells are None.
+        ``unpack(record, *cells)`` gives the value back. If all cells are empty, it is None.
     label : bool
         Whether it is cheap to read: all but the situation, its parameters, the map and the plans.
     """
@@ -93,7 +94,7 @@ class Part(Generic[Value]):
     def __get__(self, record: Record, owner: type) -> Value: ...
 
     def __get__(self, record: Record | None, owner: type) -> Any:
-        """Return the value of a record, made of its cells at first use."""
+        """Return the part's value in a record, unpacked from the cells at first use."""
         if record is None:
             return self
         if self.name not in record.values:
@@ -116,7 +117,7 @@ def _frame_of(record: Record, angle: float | None, mirrored: bool) -> Frame | Sp
 
 
 class Record:
-    """One record of a dataset, as it was made or as it is read.
+    """Record of a dataset, newly made or read from a shard.
 
     Its parts are the columns of a shard, in their order. The situation is in its canonical form,
     and map and plans belong to that. The hand is on the positive x axis and the elbow on the right;
@@ -128,7 +129,7 @@ class Record:
     values : mapping of str to object
         Parts that are known.
     row : mapping of str to object, optional
-        Its cells by column, as stored, of which the other parts are made.
+        Cells by column, as stored, from which the other parts are made.
     """
 
     index = Part[int](pa.int64())
@@ -176,11 +177,11 @@ class Record:
     situation = Part[Any](
         WORD, _situation_cell, lambda _, text: situation_from_json(json.loads(text)), label=False
     )
-    """The situation, canonical; what its arm is, all of a dataset's are."""
+    """The situation, canonical; all situations of a dataset have the same kind of arm."""
     parameters = Part[np.ndarray](
         pa.list_(pa.float32()), unpack=lambda _, cell: np.asarray(cell, np.float32), label=False
     )
-    """The situation as numbers (m,) float32; what they mean is its structure."""
+    """The situation as numbers (m,) float32; `structure` gives their meaning."""
     map = Part[CognitiveMap | None](
         lambda spec: {} if spec.map == "none" else RECORDS.of(spec.kind).map,
         lambda _, made: map_cells(made),
@@ -208,7 +209,7 @@ class Record:
 
     @property
     def row(self) -> Mapping[str, Any]:
-        """Its cells by column, as stored; see data/README.md."""
+        """Cells of the record by column, as stored; see data/README.md."""
         if self._row is not None:
             return self._row
         return {name: cell for part in PARTS for name, cell in part.cells(self).items()}
@@ -225,11 +226,11 @@ class Record:
 
     @property
     def planners(self) -> tuple[str, ...]:
-        """Whose plans it holds."""
+        """Planners whose plans the record holds."""
         return self.spec.planners
 
     def earliest(self, planner: str = "") -> Plan | None:
-        """Return the earliest catch, of one planner if it is named; None if nothing is caught."""
+        """Return the plan that catches first, of `planner` or else of all; None without a catch."""
         names = (planner,) if planner else self.planners
         caught = [self.plans[name] for name in names if self.plans[name].caught]
         return min(caught, key=lambda plan: plan.catch_time or 0.0) if caught else None

@@ -50,7 +50,7 @@ class DamagedShardError(DatasetError):
 
 @dataclass(frozen=True)
 class ShardInfo:
-    """Summary of a shard that is kept beside its records."""
+    """Summary of a shard, stored in the metadata of its file."""
 
     shard: int
     rows: int
@@ -99,9 +99,9 @@ def uncollected() -> Iterator[None]:
 
 
 def make_shard(spec: DatasetSpec, shard: int, url: str) -> ShardInfo:
-    """Make a shard and write it.
+    """Make the items of a shard and write its file.
 
-    Finished items are kept every few seconds, so that one that was stopped goes on from there.
+    Finished items are kept every few seconds, so that a stopped shard goes on from there.
     """
     folder, told = Folder(url), time.monotonic()
     # Items are trees: nothing of them is left to a collector that would visit all of them again
@@ -121,7 +121,7 @@ def make_shard(spec: DatasetSpec, shard: int, url: str) -> ShardInfo:
 
 
 def _part_name(shard: int) -> str:
-    """Name of the file with a shard's first items while it is being made."""
+    """Return the name of the file that holds the first items of an unfinished shard."""
     return f"{SHARDS}/.shard-{shard:06d}{UNFINISHED}"
 
 
@@ -152,7 +152,7 @@ def kept(spec: DatasetSpec, folder: Folder) -> int:
 
 
 def _grown(spec: DatasetSpec, table: pa.Table, records: Sequence[Record]) -> pa.Table:
-    """Return a table of the first records with those that it lacks."""
+    """Return a table of the first records, extended by rows for the remaining records."""
     return pa.concat_tables([table, rows_of(spec, records[len(table) :])]).combine_chunks()
 
 
@@ -163,7 +163,7 @@ def write_shard(
     url: str,
     table: pa.Table | None = None,
 ) -> ShardInfo:
-    """Write the items of a shard to its file; `table` holds the same, if it is known."""
+    """Write the records of a shard to its file; `table`, if given, holds the same records."""
     info, folder = _summary(spec, shard, records), Folder(url)
     folder.write(shard_name(shard), file_of(spec, table or rows_of(spec, records), info))
     folder.remove(_part_name(shard))
@@ -232,7 +232,7 @@ def _summary(spec: DatasetSpec, shard: int, records: Sequence[Record]) -> ShardI
 def read_columns(
     folder: Folder, name: str, columns: Sequence[str] | None = None, group: int | None = None
 ) -> pa.Table:
-    """Columns of a shard, or of one of its row groups; by default all.
+    """Read columns of a shard, or of one of its row groups; by default all columns.
 
     Without Arrow's threads: training reads in many processes as it is, and a short process may end
     while such threads are still being started, which aborts it.
@@ -246,7 +246,7 @@ def read_columns(
 
 @contextmanager
 def _opened(folder: Folder, name: str) -> Iterator[pq.ParquetFile]:
-    """Open a shard; what cannot be read of it is refused by its name."""
+    """Open a shard's file; raise an error with the file's name if it cannot be read."""
     try:
         with folder.open(name) as stream:
             yield pq.ParquetFile(stream, pre_buffer=False)

@@ -35,7 +35,7 @@ GOLDEN = (5**0.5 - 1) / 2  # multiples of it fill (0, 1) evenly, whatever their 
 
 @dataclass(frozen=True)
 class FamilyShare:
-    """A family of situations and how often it is drawn from."""
+    """A family of situations and its share of the draws."""
 
     family: str
     share: float = 1.0
@@ -68,7 +68,7 @@ class FamilyShare:
 class DatasetSpec:
     """Specification of a dataset; it decides every record.
 
-    `count` decides only how many there are: a larger one continues the same dataset.
+    `count` decides only the number of records: a larger count continues the same dataset.
     """
 
     name: str
@@ -99,7 +99,7 @@ class DatasetSpec:
     shard_size: int = 1000
     split: Split = field(default_factory=Split)
     holdouts: tuple[Holdout, ...] = ()
-    """Splits of their own, the first that fits; what fits none is split by `split`."""
+    """Held-out splits: a record belongs to the first that fits; if none fits, `split` decides."""
     arm: str | None = None
     """Arm of all families, which are for chains: a name, or the text of an arm file. Files that a
     specification names are replaced by their text when it is read, so it decides the digest."""
@@ -151,12 +151,12 @@ class DatasetSpec:
 
     @property
     def kind(self) -> Kind:
-        """Kind of the arms in its situations."""
+        """Kind of arm of the dataset's situations."""
         return kind_named(self.families[0].source.kind)
 
     @property
     def persistent(self) -> str:
-        """Planner whose catches are those by waiting."""
+        """Planner that can wait; its catches tell stratum Q from U."""
         return RECORDS.of(self.kind).persistent
 
     @cached_property
@@ -197,7 +197,7 @@ class DatasetSpec:
         return next(s for s in reversed(STRATA) if self.strata.get(s, 0.0) > 0.0)
 
     def choose(self, rng: np.random.Generator) -> FamilyShare:
-        """Draw a family by its share."""
+        """Draw a family at random, weighted by the families' shares."""
         place = rng.random() * sum(f.share for f in self.drawn)
         for family in self.drawn:
             place -= family.share
@@ -207,14 +207,14 @@ class DatasetSpec:
 
     @cached_property
     def digest(self) -> str:
-        """Hash of what decides the records; `count` is no part of it."""
+        """Hash of all fields that decide the records: all but `count`."""
         content = spec_to_json(self)
         del content["count"]
         return content_hash(json.dumps(content, sort_keys=True))[:16]
 
 
 def spec_to_json(spec: DatasetSpec) -> dict[str, Any]:
-    """The specification as JSON values; `spec_from_json` gives back an equal one."""
+    """Return the specification as JSON values; `spec_from_json` restores an equal one."""
     given = dataclasses.asdict(
         spec, dict_factory=lambda members: {k: v for k, v in members if v is not None}
     )

@@ -32,7 +32,7 @@ class Split:
 
 @dataclass(frozen=True)
 class Holdout:
-    """A split of its own for what training must not see: a family, a range, an embodiment.
+    """Split for records that training must not see: a family, a range, an embodiment.
 
     All conditions that are given must hold.
     """

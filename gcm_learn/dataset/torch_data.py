@@ -20,7 +20,7 @@ def tensors_of(example: Example) -> Item:
 
 
 class TorchStream(IterableDataset):
-    """The maps of a dataset one after another; every pass has another order.
+    """Stream of the maps of a dataset; every pass has a new order.
 
     Each of a DataLoader's workers reads a part of its own. Passes are counted; workers, which may
     be started anew for every pass, add the number that the DataLoader draws for each. So an order
@@ -53,7 +53,7 @@ class TorchStream(IterableDataset):
         return len(self.records)
 
     def __iter__(self) -> Iterator[Any]:
-        """One pass; within a worker of a DataLoader, its part of one."""
+        """Return an iterator over one pass; in a worker of a DataLoader, over the worker's part."""
         worker = get_worker_info()
         part = (0, 1) if worker is None else (worker.id, worker.num_workers)
         drawn = 0 if worker is None else worker.seed - worker.id

@@ -26,7 +26,7 @@ REMAKE = 2  # salt of the lot that decides which item of a shard is made again
 
 @dataclass(frozen=True)
 class DatasetReport:
-    """Result of a check of a dataset, or of a part of it."""
+    """Result of the verification of a dataset, or of a part."""
 
     records: int = 0
     plans: int = 0
@@ -66,7 +66,7 @@ def verify_dataset(
 
     Returns
     -------
-    Report
+    DatasetReport
         Faults: a shard that is missing or whose bytes changed, a catch that does not hold, an item
         that is not made again as it is stored (one of each shard that this code has made).
     """
@@ -129,7 +129,7 @@ def _broken_plans(record: Record) -> Iterator[str]:
 
 
 def _remade(spec: DatasetSpec, shard: int, records: Dataset, name: str) -> DatasetReport:
-    """Make one item of a shard again."""
+    """Make one item of a shard again, and compare the result with the stored record."""
     indices = spec.indices(shard)
     k = indices[int(lot_of(spec.seed, shard, REMAKE) * len(indices))]
     fresh = rows_of(spec, [make_item(spec, k)])

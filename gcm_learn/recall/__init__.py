@@ -1,4 +1,4 @@
-"""Memory: catches that are kept, found again from a new situation alone, and adapted to it.
+"""Memory: stored catches, found by a new situation alone and adapted to that situation.
 
 >>> from gcm_learn.recall import Memory, RawIndex, RecallPlanner, waypoints_of
 >>> memory = Memory(RawIndex.fit(situations))                         # doctest: +SKIP

@@ -1,4 +1,4 @@
-"""Adaptation: a remembered catch moved to a new situation, and whether it is then valid.
+"""Adaptation: remembered catches are moved to a new situation, and tested for validity there.
 
 Retrieved paths are repaired rather than replayed in Lightning and Thunder (Berenson, Abbeel and
 Goldberg, ICRA 2012; Coleman, Sucan, Moll, Okada and Correll, ICRA 2015). Here a path gets new ends
@@ -75,7 +75,7 @@ DEFAULT = Adaptation()
 
 
 def query_of(problem: Problem) -> HandQuery:
-    """Return a situation as adaptations of hand paths need it; once for all memories."""
+    """Return the `HandQuery` of a problem; all memories share the same query."""
     scene, rules, arm = problem.scene, problem.rules, problem.situation.arm
     x, y = arm.hand
     horizon = problem.situation.horizon
@@ -104,13 +104,13 @@ class Tries(ABC):
 
     @property
     def begun(self) -> EndSearch | None:
-        """The search whose trees memories grow, if they grow any."""
+        """Search whose trees memories grow; None where memories grow no trees."""
         return None
 
     @cached_property
     @abstractmethod
     def query(self) -> Any:
-        """The situation, as adaptations need it."""
+        """The situation in the form that the kernels of adaptation take."""
 
     @property
     def styles(self) -> np.ndarray:
@@ -131,7 +131,7 @@ class Tries(ABC):
         """Return the path in the buffers as an attempt at a target."""
 
     def finished(self, plan: Plan) -> Plan:
-        """Return a verified catch with what has to follow it."""
+        """Return a verified plan, continued past the catch where the situation asks for more."""
         return plan
 
     def first_valid(
@@ -182,7 +182,7 @@ class HandTries(Tries):
 
     @cached_property
     def query(self) -> HandQuery:
-        """The situation, as adaptations of hand paths need it."""
+        """The situation as a `HandQuery`."""
         return query_of(self.problem)
 
     def work(self) -> HandWork:
@@ -205,7 +205,7 @@ class JointTries(Tries):
 
     @cached_property
     def query(self) -> JointQuery | TimedQuery:
-        """The situation, as adaptations of joint movements need it."""
+        """The situation as a `JointQuery`, or as a `TimedQuery` under limits of acceleration."""
         study, situation = self.problem.study, self.problem.situation
         made = TimedQuery if self.problem.accelerates else JointQuery
         shift = heading_of(study.scene.limb, study.scene).shift
@@ -213,7 +213,7 @@ class JointTries(Tries):
 
     @property
     def styles(self) -> np.ndarray:
-        """The one `Style` (1, 2) of joint movements."""
+        """The only `Style` of joint movements, as a row (1, 2)."""
         return np.array([[POLAR, KEEP if self.how.tempo == "keep" else HURRY]])
 
     @property
@@ -251,7 +251,7 @@ class HeldTries(Tries):
 
     @cached_property
     def query(self) -> HeldQuery:
-        """The situation, as adaptations of held catches need it."""
+        """The situation as a `HeldQuery`, with the trees of the search."""
         scene, search = self.problem.scene, self.begun
         shift = heading_of(scene.limb, scene).shift
         signs = signs_of(self.problem.situation)
@@ -266,7 +266,7 @@ class HeldTries(Tries):
         return self.begun.attempt(work)
 
     def finished(self, plan: Plan) -> Plan:
-        """Return a plan that goes on to the place of what it caught; its way is searched."""
+        """Return the plan, continued by search until the target is in its place, if it has one."""
         return search_in_space().placed(self.problem, plan)
 
     def first_valid(
@@ -300,7 +300,7 @@ class HeldTries(Tries):
 
 
 def tries_in_joints(problem: JointProblem, how: Adaptation) -> Tries:
-    """Return the tries of a problem in joints, by what its movement ends with."""
+    """Return `JointTries` for a problem in joints if a touch ends it, else `HeldTries`."""
     return JointTries(problem, how) if ends_by_touch(problem.situation) else HeldTries(problem, how)
 
 
@@ -321,15 +321,15 @@ def adapt(
     how: Adaptation = DEFAULT,
     query: HandQuery | None = None,
 ) -> Attempt | None:
-    """Adapt one memory to a situation, in the first of its styles that meets a target in time.
+    """Adapt one memory to a situation, in the first style of `how` that meets a target in time.
 
     Parameters
     ----------
     problem : Problem
     waypoints : Waypoints
     how : Adaptation
-    query : Query, optional
-        Of the problem, if the caller has it at hand.
+    query : HandQuery, optional
+        Query of the problem, if the caller has it at hand.
 
     Returns
     -------
@@ -353,16 +353,16 @@ def transfer(
     chosen: np.ndarray | None = None,
     how: Adaptation = DEFAULT,
 ) -> np.ndarray:
-    """Return when memories, adapted to a situation, catch in it: labels for learning.
+    """Return the catch times of memories adapted to a situation: labels for learning.
 
     Parameters
     ----------
     situation : Situation or Problem
-        In any frame. The limb must be free at t = 0, or none is valid.
+        In any frame. The limb must be free at t = 0, or no memory is valid.
     knots, goals : (n, KNOTS, 4), (n, 2) ndarray of float32
         Memories, as of `Waypoints`.
     chosen : (m,) ndarray of int, optional
-        Which of them; all by default.
+        Memories to adapt; all by default.
 
     Returns
     -------

@@ -123,7 +123,7 @@ class CrossTries(NamedTuple):
     """(m, t) bool: True where one catches."""
 
     def shares(self, labels: np.ndarray, where: Any = True) -> np.ndarray:
-        """Return the share of tries that catch, of those between catches of one label (n,).
+        """Return the share of tries between catches of equal label (n,) that catch.
 
         Shares of bootstrap samples of the situations follow it (1 + DRAWS,), NaN without tries.
         A mask (m,) says which situations count.

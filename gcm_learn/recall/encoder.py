@@ -38,7 +38,7 @@ SOURCES = ("trace", "map", "both")
 
 @dataclass(frozen=True)
 class EncoderConfig:
-    """An encoder, and how it learns."""
+    """Configuration of an encoder and of its training."""
 
     dim: int = 32
     """Numbers of an embedding."""
@@ -129,7 +129,7 @@ class Tower:
 
     @classmethod
     def of(cls, arrays: Mapping[str, np.ndarray], name: str) -> Tower:
-        """The tower of a name, its inputs' scale made part of the first layer."""
+        """Return the tower `name`, with the scale of its inputs made part of the first layer."""
         try:
             mean, spread, *layers = (arrays[f"{name}.{part}"].astype(float) for part in NAMES)
         except KeyError as error:
@@ -155,7 +155,7 @@ class Tower:
 
 @dataclass(frozen=True)
 class Encoder:
-    """Embeds situations and memories in one space."""
+    """Encoder of situations and memories in one space."""
 
     config: EncoderConfig
     arrays: Mapping[str, np.ndarray]
@@ -168,7 +168,7 @@ class Encoder:
 
     @property
     def kind(self) -> Kind:
-        """Of the arms that it knows."""
+        """Kind of arm that the encoder knows."""
         return self.config.kind
 
     @cached_property
@@ -194,11 +194,11 @@ class Encoder:
         return {name: Tower.of(self.arrays, name) for name, used in names.items() if used}
 
     def embed_situation(self, situation: AnySituation, scene: Scene | None = None) -> np.ndarray:
-        """Embedding (dim,) float32 of a situation in any frame, from what is known at t = 0."""
+        """Embed a situation in any frame, from what is known at t = 0; return (dim,) float32."""
         return self.embed_features(MEMORIES.of(self.kind).features(situation, scene))
 
     def embed_features(self, seen: Features) -> np.ndarray:
-        """Embedding (dim,) float32 of a situation by what it looks like."""
+        """Return the embedding (dim,) float32 of a situation from its features."""
         arm, body = self._situation, self._body
         self._check("situation", len(seen.context), arm)
         found: np.ndarray = embed_features(
@@ -276,7 +276,7 @@ def _rectify(values):
 
 @njit
 def embed_features(context, cells, arm_weights, arm_biases, body_weights, body_biases):
-    """Embedding (dim,) float32 of a situation by what it looks like.
+    """Return the embedding (dim,) float32 of a situation from its context and cells.
 
     Rows of weights are added up for inputs that are not zero. Most cells are, and half of all
     rectified units.

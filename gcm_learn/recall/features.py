@@ -43,7 +43,7 @@ class FeatureBatch(NamedTuple):
 
 
 def batched(features: Sequence[Features]) -> FeatureBatch:
-    """Join the features of many situations, at least one, in bytes."""
+    """Join the features of situations, at least one, with cells as bytes."""
     cells = [np.rint(one.cells * STEPS).astype(np.uint8) for one in features]
     whose = np.repeat(np.arange(len(features)), [len(c) for c in cells])
     whole = np.concatenate(cells)
@@ -122,7 +122,7 @@ def _fill(knots, goals, out):
 
 @njit
 def _place(a, ring, t, m, at, out):
-    """Fill in a place of the hand and its time; where the next feature goes."""
+    """Fill in place and time of the hand from column `at` on; return the next free column."""
     out[m, at], out[m, at + 1] = np.cos(a), np.sin(a)
     out[m, at + 2] = a / np.pi
     out[m, at + 3] = 2.0 * ring - 1.0
@@ -183,12 +183,12 @@ class Sizes(NamedTuple):
 
     @property
     def alone(self) -> int:
-        """Situations with one obstacle alone."""
+        """Number of situations with a single obstacle."""
         return int(ALONE * self.situations)
 
     @property
     def others(self) -> int:
-        """Situations with all of their obstacles."""
+        """Number of situations with all of their obstacles."""
         return self.situations - self.alone
 
     def hard(self, found: np.ndarray, rng: np.random.Generator) -> np.ndarray:

@@ -85,7 +85,7 @@ def read_manifest(folder: Path) -> dict[str, Any]:
 
 
 def is_memory(folder: Path) -> bool:
-    """Return whether a folder says that it holds a memory, whole or not."""
+    """Return whether a folder has the manifest of a memory, be the memory whole or not."""
     try:
         manifest = json.loads((folder / MANIFEST).read_text("utf-8"))
     except (OSError, ValueError):

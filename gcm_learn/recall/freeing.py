@@ -1,4 +1,4 @@
-"""Adapted paths that touch are changed: pushed aside, or held back until it is free.
+"""Changes that free adapted paths of contact: a path is pushed aside or held back.
 
 A quick check looks for contacts at instants in even steps. A path that touches is changed by a bump
 at the first contact, no higher than needed, to one side or another. It may also leave later, slow
@@ -45,7 +45,7 @@ def _quick_check(query, work, count, margin, most):
 
 @njit
 def _again(query, body, style, work, since):
-    """Meet the target anew and keep the path; return the instant or -1, and its samples."""
+    """Meet the target anew and keep the path; return the instant or -1, and the sample count."""
     t = meet(query, body, style, work, since)
     return t, keep(work, t, body) if t >= 0.0 else 0
 
@@ -163,7 +163,7 @@ def free(query, style, work, count, body, rounds):
 
 @njit
 def _changed(query, style, work, touch, side, change):
-    """Change the path: push it, drop its waits, or hold it back; return whether it differs."""
+    """Push the path aside, drop its waits, or hold it back; return whether the path is new."""
     if change < PUSHED:
         if change % SIDES == 0:
             side[:] = 0.0
@@ -179,7 +179,7 @@ def _changed(query, style, work, touch, side, change):
 
 @njit
 def _held(query, work, touch, place, size):
-    """Hold the path back before it touches, or at its start; return whether it differs in time."""
+    """Hold the path back before its contact or at its start; True if new and in the horizon."""
     k = touch.knots[place]
     if place == 1 and touch.knots[0] == k:
         return False

@@ -41,7 +41,7 @@ STUDIED = 2000  # catches whose lengths are known, at most
 
 
 class Habit(NamedTuple):
-    """Length and times of a catch, and nothing else of it."""
+    """Length and times of a catch, without the path."""
 
     length: float
     """Way in the joints [rad]."""
@@ -80,7 +80,7 @@ def _habit(path: Any, horizon: float) -> Habit:
 
 @dataclass(frozen=True)
 class Synthetic:
-    """Source of synthetic movements, one for a record.
+    """Source of synthetic movements, one for each record.
 
     Parameters
     ----------
@@ -180,7 +180,7 @@ def _meeting(study, b, t, goals):
 
 
 class _GrowthKind(NamedTuple):
-    """Synthetic movements of one kind of arm."""
+    """Functions that make synthetic movements of one kind of arm."""
 
     draw: Callable[[Any, int, float, np.random.Generator], Drawn | None]
     move: Callable[[Any, np.ndarray, np.ndarray], Movement]
@@ -214,11 +214,11 @@ def remember(
     Parameters
     ----------
     records : Dataset
-        Those without a catch are left out; choose a split with `where` before.
+        Records without a catch are left out; choose a split with `where` before.
     index : str or Index
         A registered name, which is fitted to a sample of the situations, or an index of your own.
     planner : str
-        Whose catches; by default of all planners the earliest.
+        Planner of the catches; by default the earliest catch of all planners.
     synthetic : bool
         Take a synthetic movement for each record in place of its catch; see `recall.synthetic`.
     seed : int
@@ -277,7 +277,7 @@ def _filed(index: Index, kind: Kind, source: Source, records: Iterable[Record]) 
 def source_of(
     records: Dataset, planner: str = "", *, synthetic: bool = False, seed: int = 0
 ) -> Source:
-    """Return what a memory keeps of a record: a planner's catch, or a synthetic movement.
+    """Return the function that gives a record's catch, or a synthetic movement in its place.
 
     Synthetic movements are as long as catches of the records for training.
     """

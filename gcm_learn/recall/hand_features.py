@@ -94,7 +94,7 @@ def _features(scene, rules):
 
 
 class Limbs(NamedTuple):
-    """Limbs whose hands are at the directions and rings of the lattice."""
+    """Limbs with the hand at each node of the lattice of rings and directions."""
 
     joints: np.ndarray  # (rings, DIRECTIONS, 4): hand, elbow
     away2: np.ndarray  # (rings, DIRECTIONS): of the hand from where it starts, squared
@@ -154,7 +154,7 @@ def _fill_cells(scene, poses, angle, start, obstacles, out):
 
 @njit(_nrt=False, forceinline=True)
 def _sector(poses, b, angle, side, ball):
-    """Distance of a ball about body b from the shoulder, its direction, and half its width."""
+    """Return distance, direction and half the width of a ball about body b from the shoulder."""
     x, y = poses[b, 0], poses[b, 1]
     away = np.sqrt(x * x + y * y)
     if away <= ball:

@@ -36,7 +36,7 @@ HUB = 0.03  # distance that paths keep from the shoulder, where joints jump [for
 
 
 class HandQuery(NamedTuple):
-    """A situation, as adaptations of hand paths need it."""
+    """Situation in the form that adaptations of hand paths take."""
 
     scene: Scene
     rules: Rules
@@ -47,7 +47,7 @@ class HandQuery(NamedTuple):
 
 
 class HandWork(NamedTuple):
-    """Buffers for one adaptation after the other."""
+    """Buffers of the kernels, reused by every adaptation."""
 
     knots: np.ndarray  # (KNOTS, 4) float32: the remembered path
     wanted: np.ndarray  # (KNOTS,) float32: earliest times at the knots [s]
@@ -123,9 +123,9 @@ def load(query, paths, m, style, work):
 
 @njit(_nrt=False)
 def _measure(query, work):
-    """Find the share of its length that the path has behind it at every knot.
+    """Write the share of the path's length that lies before each knot.
 
-    A path that goes nowhere is shared out by time.
+    A path without length is shared out by time.
     """
     near, far = query.scene.limb.near, query.scene.limb.far
     knots, out = work.knots, work.share
@@ -163,7 +163,7 @@ def _move_start(query, style, work):
 
 @njit(_nrt=False)
 def _ends_by(query, style, work, goal_x, goal_y):
-    """By how much the path's end has to be moved when the target is at the goal."""
+    """Return the move of the path's end: offset from the remembered target to the goal (x, y)."""
     limb, goal = query.scene.limb, work.goal
     width = limb.far - limb.near
     r = np.sqrt(goal_x * goal_x + goal_y * goal_y)
@@ -193,10 +193,10 @@ def _highest(query):
 
 @njit(_nrt=False)
 def _move_end(query, style, work, end):
-    """Write the path that starts at the hand and whose end is moved, in the situation's frame.
+    """Write the path from the hand, with its end moved by `end`, in the situation's frame.
 
     The start moves by the difference of the two hands, the end by that of the two targets. In
-    between the path moves by as much of each as is left of it.
+    between both moves are weighted by the share of the path's length.
     """
     near, width = query.scene.limb.near, query.scene.limb.far - query.scene.limb.near
     low, high = _lowest(query), _highest(query)
@@ -213,7 +213,7 @@ def _move_end(query, style, work, end):
 
 @njit(_nrt=False)
 def _soonest_end(query, style, work, end):
-    """Estimate when a path whose end is so moved can be at its end, without trigonometry."""
+    """Estimate the earliest arrival [s] of the path with its end moved by `end`, by lengths."""
     near, width = query.scene.limb.near, query.scene.limb.far - query.scene.limb.near
     base, share, low = work.base, work.share, _lowest(query)
     slowness = 1.0 / query.rules.speed
@@ -235,7 +235,7 @@ def _soonest_end(query, style, work, end):
 
 @njit
 def _pace(query, work):
-    """Write the times of the knots, as early as limits and waits allow; return the last one."""
+    """Write the times of the knots, as early as limits and waits allow; return the last time."""
     limb, limits, hand, time = query.scene.limb, query.scene.limits, work.hand, work.time
     time[0] = 0.0
     if limits.shoulder < np.inf:
@@ -267,7 +267,7 @@ def _away(query, b, poses, t):
 
 @njit(_nrt=False)
 def chase(query, b, _since):
-    """Return the numbers by which target b is chased."""
+    """Return the settings of the search for the instant at which target b is met."""
     horizon, speed = query.scene.limits.horizon, query.rules.speed
     top = query.scene.bodies.rows[b, TOP_SPEED]
     return Chase(
@@ -291,7 +291,7 @@ def away(query, b, t, _speed, work):
 
 @njit
 def lateness(query, b, t, rough, close, style, work):
-    """Adapt the path to target b at t [s], by lengths alone while it is far too late.
+    """Adapt the path to target b at t [s]; while far too late, compare lengths only.
 
     Returns
     -------
@@ -321,7 +321,7 @@ def lateness(query, b, t, rough, close, style, work):
 
 @njit(_nrt=False)
 def keep(work, t, _body):
-    """Keep the adapted path as the best, its hand at its end until t [s]; return its samples."""
+    """Keep the adapted path as the best, at rest from its end to t [s]; return the sample count."""
     for k in range(KNOTS):
         work.best_time[k] = work.time[k]
         work.best_hand[k, 0], work.best_hand[k, 1] = work.hand[k, 0], work.hand[k, 1]
@@ -377,7 +377,7 @@ def failures(_query, most):
 
 @njit(_nrt=False)
 def note(query, row, work, count):
-    """Note the best path; its last sample stands for missing ones."""
+    """Write the first `count` samples of the best path into `row`; repeat the last to fill it."""
     for k in range(KNOTS + 1):
         j = min(k, count - 1)
         row[k, 0], row[k, 1] = work.best_hand[j, 0], work.best_hand[j, 1]
@@ -386,7 +386,7 @@ def note(query, row, work, count):
 
 @njit(_nrt=False)
 def is_near(query, row, work, count, novelty):
-    """Return whether the best path stays within `novelty` of a noted one, time included."""
+    """Return whether the best path stays within `novelty` of the path in `row`, time included."""
     limit, speed = novelty * novelty, query.rules.speed
     time, hand, apart = work.best_time, work.best_hand, 0.0
     for k in range(KNOTS + 1):

@@ -1,4 +1,4 @@
-"""Kernels that find where a hand path touches, and push it aside or hold it back there."""
+"""Kernels that find the contacts of a hand path, and push the path aside or hold it back."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def _clearance(query, g, x, y, enough):
 
 @njit(_nrt=False)
 def _at(query, work, count, g):
-    """Return the best path at instant g of the table: segment, share of it, and hand."""
+    """Return segment, share of the segment and hand of the best path at instant g of the table."""
     time, hand = work.best_time, work.best_hand
     t, k = g * (query.scene.limits.horizon / (query.table.shape[0] - 1)), 0
     while k < count - 2 and time[k + 1] < t:
@@ -138,7 +138,7 @@ def pushed(query, work, touch, wide, side):
     wide : float
         Width of the bump [shares of the path].
     side : (2,) ndarray
-        Push before, which this one must not continue; overwritten by this one.
+        Previous push, which the new push must not continue; overwritten by the new push.
 
     Returns
     -------

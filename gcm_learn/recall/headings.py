@@ -24,7 +24,7 @@ NOTHING = 1e-9  # distance from the axis below which a target has no direction [
 
 
 class Heading(NamedTuple):
-    """Frame in which the target is ahead: x to it, z along the first joint's axis."""
+    """Frame in which the target is ahead: x to the target, z along the first joint's axis."""
 
     rows: np.ndarray  # (3, 3): its axes in the frame of the base
     origin: np.ndarray  # (3,): a point on the first joint's axis
@@ -94,6 +94,6 @@ _SIGNS = ByKind({SPATIAL: _mirrors}, default=_ones)
 
 
 def signs_of(situation: AnySituation) -> np.ndarray:
-    """Return the signs (n,) that lead from a situation's joints to its canonical form."""
+    """Return the signs (n,) that turn a situation's joints into those of its canonical form."""
     signs: np.ndarray = _SIGNS.of(situation)(situation)
     return signs

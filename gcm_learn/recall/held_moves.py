@@ -1,4 +1,4 @@
-"""Kernels of remembered held catches: their postures grow trees, in place of random ones.
+"""Kernels of remembered held catches: trees grow by remembered postures, not by random ones.
 
 The posture in which a memory caught is pulled to the target, at its time and at times nearby. A
 whole end is made of it: run-up, hold, stop (`planners.joints.endings`). Then the knots of its
@@ -27,7 +27,7 @@ STRETCHES = np.array([1.0, 1.08, 0.92, 1.2, 0.8])  # of a memory's times, in the
 
 
 class HeldQuery(NamedTuple):
-    """A situation, as adaptations of held catches need it."""
+    """Situation in the form that adaptations of held catches take."""
 
     study: Study
     ends: Endings
@@ -47,7 +47,7 @@ def caught_at(knots, m):
 
 @njit(_nrt=False)
 def _draw(query, knots, m, k, share):
-    """Make the drawn posture that of knot k, moved by a share of what the start is off."""
+    """Set the drawn posture to knot k, moved by a share of the offset between the starts."""
     limb, q, turns, shift = query.study.scene.limb, query.trees.drawn, query.turns, query.shift
     for j in range(dof(limb)):
         first = turns[j] * np.float64(knots[m, 0, j]) + shift[j]
@@ -57,7 +57,7 @@ def _draw(query, knots, m, k, share):
 
 @njit(_nrt=False)
 def _rooted(query, knots, m, c, until):
-    """Add an end of memory m for each target at `until` [s], until one is reached.
+    """Add an end of memory m at `until` [s] for each target, until the start's tree reaches one.
 
     Returns
     -------
@@ -82,7 +82,7 @@ def _rooted(query, knots, m, c, until):
 
 @njit
 def _way_of(query, knots, m, stretch, way):
-    """Grow the tree of the start along the approach of memory m; whether it meets an end."""
+    """Grow the start's tree along the approach of memory m; return whether it meets an end."""
     study, trees, first, c = query.study, query.trees, knots[m, 0], caught_at(knots, m)
     length = max(_length(query, first, knots[m, c]), 1e-9)
     for k in range(1, c):
@@ -117,12 +117,12 @@ def _length(query, one, other):
 
 @njit
 def _met(query, knots, m, way):
-    """Add the ends of memory m at each of its times, until the tree of the start reaches one.
+    """Add ends of memory m at its stretched times, until the start's tree reaches an end.
 
     Returns
     -------
     met : bool
-        If so, the way is written.
+        True if an end is reached; then the way is written.
     stretch : float
         The first of the times at which there is an end, 0 without one.
     """

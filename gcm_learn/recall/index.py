@@ -1,4 +1,4 @@
-"""Indexes: how a situation asks a memory, and under what a memory is filed."""
+"""Indexes: embeddings under which memories are filed, and with which situations ask for them."""
 
 from __future__ import annotations
 
@@ -28,13 +28,13 @@ _NAMES = ("centre", "components", "waves", "phases", "weights")  # of a PcaIndex
 
 
 class Index(Protocol):
-    """Places situations and memories in one space; the larger the inner product, the better.
+    """Embedding of situations and memories in one space: large inner products are good matches.
 
     A query knows the situation at t = 0 and its laws of motion, and nothing that takes a map.
     """
 
     name: ClassVar[str]
-    """Under which it is registered."""
+    """Name under which the index is registered."""
 
     @property
     def key(self) -> str:
@@ -60,15 +60,15 @@ class Index(Protocol):
         """Embeddings (n, dim) float32 of many memories."""
 
     def save(self, folder: Path) -> None:
-        """Write what it takes to load it again into a folder."""
+        """Write the index into a folder, for `load`."""
 
     @classmethod
     def load(cls, folder: Path) -> Self:
-        """Read it from a folder."""
+        """Read an index from a folder."""
 
     @classmethod
     def fit(cls, situations: Sequence[Any], seed: int = 0) -> Self:
-        """One for memories of situations like these, if it takes no training of its own."""
+        """Return an index fitted to situations; raise RecallError if the index takes training."""
 
 
 class Numbers:
@@ -88,19 +88,19 @@ class Numbers:
 
     @property
     def key(self) -> str:
-        """Short hash of its name and numbers."""
+        """Short hash of the index's name and arrays."""
         parts: list[str | bytes] = [self.name]
         for array in self.arrays.values():
             parts += [repr((array.dtype.str, array.shape)), np.ascontiguousarray(array).tobytes()]
         return content_hash(*parts)[:16]
 
     def save(self, folder: Path) -> None:
-        """Write its numbers into its file."""
+        """Write the arrays into the index file of a folder."""
         np.savez(folder / FILE, **self.arrays)  # type: ignore[arg-type]
 
     @classmethod
     def load(cls, folder: Path) -> Self:
-        """Read its numbers from its file."""
+        """Read an index from the index file of a folder."""
         try:
             with np.load(folder / FILE) as file:
                 return cls.of(file)
@@ -109,7 +109,7 @@ class Numbers:
 
 
 def nearest_query(place: np.ndarray) -> np.ndarray:
-    """A place (d,) as a query whose inner products order `nearest_rows` by distance."""
+    """Return a place (d,) as a query whose inner products order `nearest_rows` by distance."""
     return np.append(place, 1.0).astype(np.float32)
 
 
@@ -121,7 +121,7 @@ def nearest_rows(places: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class RawIndex(Numbers):
-    """Neighbours in the space of raw canonical parameters, each on its own scale."""
+    """Index by distance in the space of raw canonical parameters, each on its own scale."""
 
     scale: Scale
     name: ClassVar[str] = "raw"
@@ -143,7 +143,7 @@ class RawIndex(Numbers):
 
     @property
     def dim(self) -> int:
-        """The parameters and one number for their distance."""
+        """Numbers of an embedding: the parameters, and one more for distances."""
         return len(self.scale.mean) + 1
 
     def embed_query(self, situation: Any, scene: Scene | None = None) -> np.ndarray:
@@ -160,9 +160,9 @@ class RawIndex(Numbers):
 
 @dataclass(frozen=True)
 class RandomIndex(Numbers):
-    """Any memories: places at random, for the control that asks what verification does alone.
+    """Index with random places: the control that shows the effect of verification alone.
 
-    A situation always gets the same ones, however it is turned.
+    A situation always gets the same memories, however it is turned.
     """
 
     seed: int = 0
@@ -171,7 +171,7 @@ class RandomIndex(Numbers):
 
     @classmethod
     def fit(cls, situations: Sequence[Any], seed: int = 0) -> RandomIndex:
-        """Make an index; it learns nothing."""
+        """Return an index with a seed; the situations have no effect."""
         return cls(seed)
 
     @property
@@ -253,7 +253,7 @@ class LearnedIndex:
 
     @classmethod
     def fit(cls, situations: Sequence[Any], seed: int = 0) -> Self:
-        """Refused: this one takes training."""
+        """Raise RecallError: a learned index takes training."""
         raise RecallError("index 'learned': has to be trained first, see gcm-learn train encoder")
 
 
@@ -311,7 +311,7 @@ class PcaIndex(Numbers):
 
     @property
     def arrays(self) -> dict[str, np.ndarray]:
-        """All its numbers."""
+        """All arrays of the index by name."""
         scale = {"mean": self.scale.mean, "spread": self.scale.spread}
         return scale | {name: getattr(self, name) for name in _NAMES}
 
@@ -322,7 +322,7 @@ class PcaIndex(Numbers):
 
     @property
     def dim(self) -> int:
-        """The components and one number for their distance."""
+        """Numbers of an embedding: the components, and one more for distances."""
         return len(self.components) + 1
 
     def embed_query(self, situation: Any, scene: Scene | None = None) -> np.ndarray:

@@ -139,7 +139,7 @@ def _turned_ahead(heading, x, y, z):
 
 @njit(_nrt=False)
 def _fill_approach(limb, scene, heading, target, poses, out, at):
-    """Fill in the target's approach; 0 if it has none."""
+    """Fill in the approach of the target; features stay 0 without an approach."""
     if inverts(limb) or approaches(scene, target) == 0:
         return
     for k in range(TRACKED.size):
@@ -228,7 +228,7 @@ def _features(scene, view, reach):
 
 @njit(_nrt=False)
 def _meeting(study, target):
-    """Return when a straight way meets the target first [s]; its end is left in ``study.goal``.
+    """Return when a straight way first meets the target [s]; leave its end in ``study.goal``.
 
     Negative where it comes late: then the end is the last posture that would catch, or the start.
     """
@@ -252,7 +252,7 @@ def _meeting(study, target):
 
 @njit
 def _fill_cells(study, heading, view, end, when, far, cells):
-    """Ask about postures all over the joints, then about those beside the straight way."""
+    """Fill in the cells of postures all over the joints, then of those beside the straight way."""
     limb, horizon, q, signs = study.scene.limb, study.scene.limits.horizon, study.near, view.signs
     low, high = _covered(limb, heading)
     c = 0

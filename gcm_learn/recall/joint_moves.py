@@ -21,7 +21,7 @@ from gcm_learn.planners.joints.ways import JointWay, new_way, samples_of, write
 from gcm_learn.recall.styles import HURRY, Chase
 from gcm_learn.scene.bodies import TOP_SPEED, pose_at
 
-KNOTS = 12  # of a remembered movement, see `gcm_learn.recall.space.waypoints`
+KNOTS = 12  # of a remembered movement, see `gcm_learn.recall.waypoints`
 TIME, EARLIEST = -2, -1  # columns of a knot, after its joints
 AFTER = -1.0  # earliest time of knots after a catch: the ends of its hold and of the movement
 STEPS = 24  # of a movement that is followed, of equal length
@@ -34,7 +34,7 @@ _STILL = 1e-6  # a movement shorter than this is shared out by time [s]
 
 
 class JointQuery(NamedTuple):
-    """A situation, as adaptations of joint movements need it."""
+    """Situation in the form that adaptations of joint movements take."""
 
     study: Study
     turns: np.ndarray  # (dof,): signs that make joints of a left arm those of this one
@@ -42,7 +42,7 @@ class JointQuery(NamedTuple):
 
 
 class Track(NamedTuple):
-    """A movement under limits of acceleration, and the arm that follows it."""
+    """Movement under limits of acceleration: aims, and the arm's joints that follow them."""
 
     aims: np.ndarray  # (STEPS + 1, dof): the movement [rad]
     time: np.ndarray  # (STEPS + 1,) [s]
@@ -54,7 +54,7 @@ class Track(NamedTuple):
 
 
 class JointWork(NamedTuple):
-    """Buffers for one adaptation after the other."""
+    """Buffers of the kernels, reused by every adaptation."""
 
     share: np.ndarray  # (KNOTS,): of its length that lies behind it
     base: np.ndarray  # (KNOTS, dof): the movement with its start where the arm is [rad]
@@ -141,7 +141,7 @@ def _soonest_end(study, work):
 
 @njit(_nrt=False)
 def write_path(study, edge, work):
-    """Write the movement to the end, between its ends by `edge` [rad] within the joints' ranges."""
+    """Write the movement to `work.end`; inner knots stay `edge` [rad] within the joints' ranges."""
     limb, base, share, end, path = study.scene.limb, work.base, work.share, work.end, work.path
     for j in range(dof(limb)):
         off, room = end[j] - base[KNOTS - 1, j], min(edge, 0.5 * (limb.high[j] - limb.low[j]))
@@ -153,7 +153,7 @@ def write_path(study, edge, work):
 
 @njit(_nrt=False)
 def _paced(study, work):
-    """Write the movement to the end and its times: as early as limits allow, no wait cut short."""
+    """Write the movement with the earliest times that limits and waits allow; return the last."""
     write_path(study, 0.0, work)
     path = work.path
     work.time[0] = 0.0
@@ -188,7 +188,7 @@ def seed_end(study, work):
 
 @njit(_nrt=False)
 def chase(query, b, since):
-    """Return the numbers by which target b is chased, from `since` on [s]."""
+    """Return the settings of the search, from `since` [s] on, for the instant of meeting b."""
     study = query.study
     horizon, fast = study.scene.limits.horizon, fastest_hand(study.scene)
     top = study.scene.bodies.rows[b, TOP_SPEED]
@@ -212,7 +212,7 @@ def away(query, b, t, speed, _work):
 
 @njit(_nrt=False)
 def lateness(query, b, t, rough, close, _style, work):
-    """Adapt the movement to target b at t [s], by turns of joints alone while it is far too late.
+    """Adapt the movement to target b at t [s]; while far too late, compare turns of joints only.
 
     Returns
     -------
@@ -237,7 +237,7 @@ def lateness(query, b, t, rough, close, _style, work):
 
 @njit(_nrt=False)
 def keep(work, t, b):
-    """Keep the adapted movement as the best, over when b is caught at t [s]; return its knots."""
+    """Keep the adapted movement as the best, until b is caught at t [s]; return the knot count."""
     way, last = work.way, KNOTS - 1
     for k in range(KNOTS):
         write(way, k, work.path[k], work.time[k], work.time[k] if k < last else t)
@@ -247,13 +247,13 @@ def keep(work, t, b):
 
 @njit(_nrt=False)
 def cut(_query, work, body):
-    """Return the knots of the best movement and its target, both unchanged."""
+    """Return the knot count and the target unchanged: joint movements are not cut."""
     return KNOTS, body
 
 
 @njit
 def check(query, work, _count, _body):
-    """Sample the best movement, and check the limb on it.
+    """Sample the best movement, and check whether the limb touches an obstacle.
 
     Returns
     -------
@@ -289,7 +289,7 @@ def failures(query, most):
 
 @njit(_nrt=False)
 def note(query, row, work, _count):
-    """Note the best movement."""
+    """Write the best movement into `row`."""
     n = dof(query.study.scene.limb)
     for k in range(KNOTS):
         for j in range(n):
@@ -299,7 +299,7 @@ def note(query, row, work, _count):
 
 @njit(_nrt=False)
 def is_near(query, row, work, _count, novelty):
-    """Return whether the best movement stays within `novelty` [rad] of a noted one.
+    """Return whether the best movement stays within `novelty` [rad] of the one in `row`.
 
     A second counts as much as ten radians.
     """

@@ -1,4 +1,4 @@
-"""Kernels that find where a joint movement touches, and push it aside or hold it back there."""
+"""Kernels that find contacts of a joint movement, and push the movement aside or hold it back."""
 
 from __future__ import annotations
 
@@ -163,12 +163,12 @@ def pushed(query, work, touch, wide, side):
     Parameters
     ----------
     side : (dof,) ndarray
-        Push before, to the other side of which it has to be; overwritten with this one.
+        Previous push, which the new push must not continue; overwritten by the new push.
 
     Returns
     -------
     bool
-        Whether any frees it.
+        True if a bump frees the limb.
     """
     study = query.study
     limb, n, q = study.scene.limb, touch.share.size, study.posture

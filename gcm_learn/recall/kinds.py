@@ -27,7 +27,7 @@ from gcm_learn.situation import AnySituation
 
 @dataclass(frozen=True)
 class MemoryKind:
-    """Memories of one kind of arm."""
+    """Formats and functions for memories of one kind of arm."""
 
     format: str
     """Format of a memory's folder."""
@@ -36,7 +36,7 @@ class MemoryKind:
     columns: Callable[[Any], int]
     """Numbers of a knot, for an arm."""
     goal: int
-    """Numbers of its goal."""
+    """Numbers of a goal."""
     waypoints_of: Callable[..., Waypoints]
     """A situation's movement to a body, as memory keeps it."""
     raw_features: Callable[..., np.ndarray]
@@ -52,7 +52,7 @@ class MemoryKind:
     map_features: Callable[[CognitiveMap], np.ndarray]
     """Features of a map of a canonical situation."""
     problem: Callable[..., Any]
-    """A situation on its way to a plan, and by which planner."""
+    """Maker of the problem of a situation, for a planner's name."""
     straight: Callable[[Any], planners.Plan]
     """Plan of a problem straight to the earliest interception."""
     early_answer: Callable[[Any], planners.Plan | None]
@@ -158,7 +158,7 @@ def same_kind(kind: Kind, situation: AnySituation, columns: int = 0) -> None:
 
 
 def waypoints_of(situation: AnySituation, plan: planners.Plan) -> Waypoints:
-    """Return the catch of a plan as memory keeps it.
+    """Return the catch of a plan as waypoints, the form that memories store.
 
     Parameters
     ----------

@@ -61,11 +61,11 @@ def planar_map_features(made: CognitiveMap) -> np.ndarray:
 
 
 def joint_map_features(made: CognitiveMap) -> np.ndarray:
-    """Return features float32 of a map of hand-space of an arm that moves in its joints.
+    """Return features float32 of a map of hand-space, for an arm that moves in its joints.
 
     Fields are means over SIDE blocks along a side: the first arrival in any posture, cells with an
-    arrival, effective obstacles in any posture. The way has the joints at equal shares of it, and
-    apart the straight line from its start to its end.
+    arrival, effective obstacles in any posture. The joints follow at equal shares of the way to the
+    contact, and then their offsets from the straight line between the ends of the way.
     """
     n, reach = made.chart.n, made.chart.reach
     arrival, there, walls = (field.reshape(n, n, n, -1) for field in _fields(made))
@@ -94,7 +94,7 @@ def joint_map_features(made: CognitiveMap) -> np.ndarray:
 
 
 def _fields(made: CognitiveMap) -> np.ndarray:
-    """Return arrival [lengths], nodes with one, and effective obstacles (3, ...) of a map."""
+    """Return arrival [lengths], reached nodes and effective obstacles (3, ...) of a map."""
     there = ~np.ma.getmaskarray(made.arrival)
     arrival = made.arrival.filled(0.0) * _speed(made)
     return np.stack([arrival, there, made.effective_obstacles], dtype=float)

@@ -28,7 +28,7 @@ bodies_of = by_type({HandQuery: hand_paths.bodies_of, JointQuery: joint_moves.bo
 
 @njit
 def meet(query, b, style, work, since):
-    """Adapt the path to where target b can be met, and time it.
+    """Adapt and time the path so that it meets target b as early as possible.
 
     The earliest instant is the best. A hand that comes late by some time needs at least the part
     of it in which hand and target can close the gap. Most steps compare lengths alone.
@@ -73,7 +73,7 @@ def meet(query, b, style, work, since):
 
 @njit
 def meet_any(query, style, work):
-    """Adapt the path to the target that it can catch first, and keep it as the best.
+    """Adapt the path to the target that can be caught first, and keep the path as the best.
 
     Returns
     -------
@@ -95,7 +95,7 @@ def meet_any(query, style, work):
 
 @njit
 def adapt_to_targets(paths, m, query, style, work):
-    """Adapt memory m to the target that it can catch first; return as `meet_any` does.
+    """Adapt memory m to the target that can be caught first; return as `meet_any` does.
 
     Parameters
     ----------
@@ -137,7 +137,7 @@ def hasten(query, style, work):
 
 @njit(_nrt=False)
 def drop_waits(work):
-    """Drop a path's waits; return whether it had any."""
+    """Drop the waits of a path; return whether there were any."""
     changed = False
     for k in range(work.wanted.size):
         changed = changed or work.wanted[k] > 0.0
@@ -147,7 +147,7 @@ def drop_waits(work):
 
 @njit(_nrt=False)
 def copy_path(base, wanted, to_base, to_wanted):
-    """Copy a path: its base and its earliest times."""
+    """Copy the base and the earliest times of a path."""
     for k in range(wanted.size):
         to_wanted[k] = wanted[k]
         for i in range(base.shape[1]):

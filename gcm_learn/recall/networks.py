@@ -56,7 +56,7 @@ class TowerNet(nn.Module):
 
 
 class Inputs(NamedTuple):
-    """Numbers of features; of a chain they depend on its joints, and maps are optional."""
+    """Numbers of input features; for chains they depend on the joints. Maps are optional."""
 
     context: int
     cells: int
@@ -65,7 +65,7 @@ class Inputs(NamedTuple):
 
 
 class EncoderNet(nn.Module):
-    """All towers, and how sure a situation lets one be that anything is valid in it."""
+    """All towers, and a bias for the odds that a memory is valid in a situation."""
 
     def __init__(self, config: EncoderConfig, inputs: Inputs) -> None:
         super().__init__()
@@ -93,7 +93,7 @@ class EncoderNet(nn.Module):
             ) from None
 
     def queries(self, features: FeatureBatch) -> Tensor:
-        """Embeddings (n, dim) of situations by what they look like."""
+        """Return the embeddings (n, dim) of situations from their features."""
         context, whose = torch.from_numpy(features.context), torch.from_numpy(features.whose)
         out = self.situation(context)
         if len(whose):
@@ -111,7 +111,7 @@ class EncoderNet(nn.Module):
         return sum(parts[1:], start=parts[0])
 
     def arrays(self) -> dict[str, np.ndarray]:
-        """Weights by name as half-precision numbers, without what only learning needs."""
+        """Return weights by name in half precision, without the layer that only learning needs."""
         state = self.state_dict()
         wanted = {name: value for name, value in state.items() if not name.startswith("hope.")}
         return {name: value.numpy().astype(np.float16) for name, value in wanted.items()}
@@ -146,7 +146,7 @@ def listwise(scores: Tensor, valid: Tensor) -> Tensor:
 
 
 def contrast(scores: Tensor, valid: Tensor, own: Tensor) -> Tensor:
-    """Contrast of own memories with invalid ones.
+    """Return the mean contrastive loss of own memories against invalid memories.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Planners that recall: memories are adapted to a situation, the first valid one is the plan."""
+"""Planners that recall: they adapt memories to a situation; the first valid path is the plan."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ _REFILED = ["recall-map", *_FITTED]
 
 @dataclass(frozen=True)
 class Recollection:
-    """A plan, and how it was recalled."""
+    """A plan, the memory behind it, and the number of checks."""
 
     plan: planners.Plan
     memory: int | None
@@ -53,9 +53,9 @@ class Recollection:
 
 @dataclass(frozen=True)
 class RecallPlanner:
-    """Recalls memories and verifies them in order, until one is valid.
+    """Planner that recalls memories and verifies them in order, until a memory is valid.
 
-    Nothing is searched: a situation in which none is valid is answered with "unreachable".
+    Nothing is searched: a situation without a valid memory is answered with "unreachable".
     """
 
     memory: Memory
@@ -108,7 +108,7 @@ class RecallPlanner:
 
 
 def _offer(chosen: np.ndarray, places: np.ndarray, query: np.ndarray | None = None) -> Offer:
-    """Memories to be tried in the order given, or by what the query's odds are for them."""
+    """Return the offer of memories, in the order given or by inner product with the query."""
     left = np.ones(len(chosen), dtype=bool)
     if query is None:
         scores = -np.arange(len(chosen), dtype=float)
@@ -124,7 +124,7 @@ def _first_plan(
     offer: Offer,
     budget: TrialLimits,
 ) -> tuple[planners.Plan, int, int]:
-    """Plan of the first valid memory, its place in the offer or -1, and paths checked."""
+    """Return plan and place in the offer (or -1) of the first valid memory, and paths checked."""
     total = 0
     while total < budget.tries:
         left = budget._replace(tries=budget.tries - total)
@@ -178,7 +178,7 @@ def random_waypoints(
 
 @dataclass(frozen=True)
 class SplinesPlanner:
-    """Random movements in place of memories: the control for what verification does alone.
+    """Planner with random movements as memories: control for the effect of verification alone.
 
     A spline's hand starts where the query's does. Its direction and its share of the ring follow
     quadratic Bezier curves from there, whose middle control point and end are drawn. Directions are
@@ -300,7 +300,7 @@ def has_memory() -> bool:
 def shipped_memory(name: str, kind: Kind = PLANAR, held: bool = False) -> Memory:
     """The memory of a planner's name, e.g. ``recall``, for a kind of arm.
 
-    One of held catches is taken if it is wanted and there is one.
+    With `held` the memory of held catches is taken, if there is one.
 
     Controls that have none of their own file that of ``recall`` anew, by their own index.
 
@@ -351,7 +351,7 @@ def hybrid() -> HybridPlanner:
 
 
 def with_memory(name: str, memory: Memory) -> RecallPlanner | HybridPlanner:
-    """Return the planner of a name, with a memory in place of its own.
+    """Return the planner `name`, with the given memory in place of its own.
 
     Raises
     ------

@@ -282,7 +282,7 @@ def _place_by_chain(view, poses, b, out, at):
 
 @njit
 def _axis_by_hand(view, bodies, b, horizon, poses, out, at):
-    """Write the axis of body b by twice its angle, since it has no head, and its turn (3)."""
+    """Write the axis of body b as its doubled angle, since axes have no head, and its turn (3)."""
     dx, dy = axis_in_plane(bodies, b, poses)
     dx, dy = view.c * dx + view.s * dy, view.side * (view.c * dy - view.s * dx)
     length = np.sqrt(dx * dx + dy * dy)
@@ -355,7 +355,7 @@ def _fill(view, bodies, horizon, out):
 
 @njit
 def _places(view, bodies, b, horizon, poses, out, at):
-    """Write the place of body b at t = 0, and its ways until half and all of the horizon (9).
+    """Write body b's place at t = 0, and its moves until half and all of the horizon (9).
 
     The pose that is left in `poses` is that at t = 0.
     """

@@ -24,7 +24,7 @@ def has_faiss() -> bool:
 
 @njit
 def top(scores, k):
-    """Positions (min(k, n),) of the largest scores, largest first; of equal ones the first."""
+    """Return positions (min(k, n),) of the largest scores, largest first; ties by position."""
     k = min(k, scores.size)
     best = np.empty(k, dtype=np.int64)
     values = np.empty(k, dtype=scores.dtype)
@@ -61,7 +61,7 @@ def _top_of_cells(rows, ids, starts, near, query, k):
 
 
 class Cells:
-    """Rows in groups that lie together; only groups whose centres fit a query are searched.
+    """Rows in clusters; a search covers only the clusters with the best centres for a query.
 
     The result is nearly the best: these are the inverted lists of Sivic and Zisserman (ICCV 2003)
     and of faiss, with centres by k-means.
@@ -82,7 +82,7 @@ class Cells:
         self.starts = np.searchsorted(cell[order], np.arange(count + 1))
 
     def __call__(self, query: np.ndarray, k: int) -> np.ndarray:
-        """Rows whose inner products with a query (d,) are nearly the largest, in order."""
+        """Return the rows with nearly the largest inner products with a query (d,), in order."""
         near = top(self.centres @ query, VISITED)
         return np.asarray(_top_of_cells(self.rows, self.ids, self.starts, near, query, k))
 
@@ -115,7 +115,7 @@ class Searcher:
         self._cells = Cells(rows) if how == "cells" and len(rows) > CELLS else None
 
     def __call__(self, query: np.ndarray, k: int) -> np.ndarray:
-        """Rows (min(k, n),) whose inner products with a query (d,) are largest, in order."""
+        """Return rows (min(k, n),) with the largest inner products with a query (d,), in order."""
         if self._cells is not None:
             return self._cells(query.astype(np.float32, copy=False), k)
         if self._faiss is not None:

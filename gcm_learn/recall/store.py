@@ -27,7 +27,7 @@ _COLUMNS = ("embeddings", "traces", "goals", "labels", "lengths")
 
 @dataclass(frozen=True)
 class Entry:
-    """One memory."""
+    """A memory: situation, waypoints and labels."""
 
     situation: Any
     """In its canonical form."""
@@ -47,7 +47,7 @@ class Memory:
         "auto" takes cells where a learned index files many, else faiss from 100,000 entries on if
         it is installed.
     kind : Kind
-        Of the arms that it holds catches of.
+        Kind of arm of the catches.
 
     Examples
     --------
@@ -79,7 +79,7 @@ class Memory:
         return self._size
 
     def __getitem__(self, k: int) -> Entry:
-        """Memory k; its situation is read only now."""
+        """Return memory k; its situation is unpacked only now."""
         if not -self._size <= k < self._size:
             raise IndexError(f"memory {k} of {self._size}")
         k %= self._size
@@ -114,12 +114,12 @@ class Memory:
 
     @property
     def families(self) -> list[str]:
-        """Family of each memory, "" where it is not known."""
+        """Family of each memory, "" if unknown."""
         return [self._words[word] for word in self.labels[:, 0]]
 
     @property
     def strata(self) -> list[str]:
-        """Stratum of each memory, "" where it is not known."""
+        """Stratum of each memory, "" if unknown."""
         return [self._words[word] for word in self.labels[:, 1]]
 
     def situation(self, k: int) -> Any:
@@ -169,7 +169,7 @@ class Memory:
         self._append(fresh, texts)
 
     def extend(self, other: Memory, embeddings: np.ndarray | None = None) -> None:
-        """Remember what another memory does, by its embeddings or by others (n, dim)."""
+        """Add all entries of another memory, with its embeddings or the given ones (n, dim)."""
         fresh = {name: other._columns[name][: len(other)] for name in _COLUMNS}
         words = [[self._word(other._words[w]) for w in row] for row in other.labels.tolist()]
         fresh["labels"] = np.reshape(words, (-1, 2))
@@ -199,7 +199,7 @@ class Memory:
         return content_hash(self.knots.tobytes(), self.goals.tobytes())[:16]
 
     def refiled(self, index: Index, keys: np.ndarray | None = None) -> Memory:
-        """Return the memories filed by another index, by its keys (n, dim) if known."""
+        """Return a copy filed by another index; `keys` (n, dim) are its embeddings, if known."""
         out = Memory(index, self.search, self.kind)
         if len(self) and keys is None:
             trajectories = [Waypoints(k, g) for k, g in zip(self.knots, self.goals, strict=True)]
@@ -209,7 +209,7 @@ class Memory:
         return out
 
     def save(self, folder: str | os.PathLike[str]) -> None:
-        """Write the memory and its index into a folder; what was there stays until it is done."""
+        """Write the memory and its index into a folder; an old memory stays until this is done."""
         arrays = {name: self._columns[name][: self._size] for name in _COLUMNS}
         text = b"".join(self._text(k) for k in range(self._size))
         arrays["situations"] = np.frombuffer(text, np.uint8)
@@ -237,14 +237,14 @@ class Memory:
         ----------
         folder : path-like
         index : Index, optional
-            The one that it must have been filed by; by default the one saved with it.
+            Index by which the memory must have been filed; by default the saved index.
         mmap : bool
-            Leave what is large on disk until it is read.
+            Leave arrays on disk until they are read.
 
         Raises
         ------
         RecallError
-            In one line: there is none, it is damaged, or was filed by another index.
+            In one line: the memory is missing, damaged, or filed by another index.
         """
         place = Path(folder)
         manifest = read_manifest(place)

@@ -45,7 +45,7 @@ STRETCHES = _stretches()
 
 
 class TimedQuery(NamedTuple):
-    """A situation with limits of acceleration, as adaptations of joint movements need it."""
+    """Situation with limits of acceleration, in the form that adaptations take."""
 
     study: Study
     turns: np.ndarray  # (dof,): signs that make joints of a left arm those of this one
@@ -54,7 +54,7 @@ class TimedQuery(NamedTuple):
 
 @njit(_nrt=False)
 def _remembered(paths, m, query, work):
-    """Move the start of memory m to the arm; return the time of its end [s]."""
+    """Load memory m, with its start moved to the arm; return the time of its end [s]."""
     load(query, paths, m, Style(POLAR, KEEP), work)
     horizon, wanted = query.study.scene.limits.horizon, work.wanted
     if wanted[KNOTS - 1] < LEAST * horizon:
@@ -65,7 +65,7 @@ def _remembered(paths, m, query, work):
 
 @njit(_nrt=False)
 def _timed(study, until, work):
-    """Write the movement that ends at `until` [s]; return whether all its pieces have time."""
+    """Write the movement, to end at `until` [s]; return whether there is time for all pieces."""
     when, last, path, least = work.time, KNOTS - 1, work.path, work.track.least
     write_path(study, EDGE, work)
     for k in range(KNOTS):
@@ -126,7 +126,7 @@ def _follow(study, track):
 
 @njit(_nrt=False)
 def _piece(track, k, curve):
-    """Write piece k of the track into `curve` (dof, 4); how long it takes [s]."""
+    """Write piece k of the track into `curve` (dof, 4); return the duration [s]."""
     q, v, span = track.joints, track.rates, track.time[k + 1] - track.time[k]
     hermite(q[k], v[k], q[k + 1], v[k + 1], span, curve)
     return span
@@ -134,7 +134,7 @@ def _piece(track, k, curve):
 
 @njit(_nrt=False)
 def _adapted(study, b, until, work):
-    """Adapt the movement so that it catches target b at `until` [s]; return if it keeps limits."""
+    """Adapt the movement to catch target b at `until` [s]; return whether the limits allow it."""
     scene, desk, track = study.scene, study.desk, work.track
     seed_end(study, work)
     if not pulled(study, b, until, work.end) or not _timed(study, until, work):
@@ -170,7 +170,7 @@ def _is_free(study, track):
 
 @njit
 def met(query, paths, m, _style, work, bends):
-    """Adapt memory m to the nearest time of its end at which it catches within the limits.
+    """Try end times of memory m, nearest first, until a catch keeps all limits without contact.
 
     Parameters
     ----------
@@ -207,7 +207,7 @@ def met(query, paths, m, _style, work, bends):
 
 @njit
 def write_best(work):
-    """Write the movement that is followed as the best; return its samples."""
+    """Write the followed movement as the best; return the number of samples."""
     work.best_time[: STEPS + 1] = work.track.time
     work.best_joints[: STEPS + 1] = work.track.joints
     return STEPS + 1
@@ -238,7 +238,7 @@ def habits(_query):
 
 @njit(_nrt=False)
 def again(query, body, _style, work, _since):
-    """Adapt the movement to its target at its time; return the time, -1 if it breaks limits."""
+    """Adapt the movement to its target at its time; return that, or -1 past limits, and samples."""
     until = work.track.until[0]
     return until if _adapted(query.study, body, until, work) else -1.0, STEPS + 1
 

@@ -1,10 +1,10 @@
-"""Training: labels are made while the encoder learns from those that there are.
+"""Training of encoders: labels are made while the encoder learns from earlier labels.
 
 Turns follow each other: a batch is made, then the optimiser takes some steps on batches drawn from
 all so far. Later batches ask about the memories that the encoder itself puts first, on which it
 is judged; weights that have learned before ask about these only. At the end it only repeats.
 A tower of maps that starts from an encoder of paths first learns to place a memory's map where that
-one places its path.
+encoder places the path.
 Random numbers depend on seed, batch and step, so a run that was stopped goes on unchanged.
 
 An encoder is kept as a model: its files, its training, and a card with its origin.
@@ -50,30 +50,30 @@ CHECKPOINT, LOG = "checkpoint.pt", "log.jsonl"
 
 @dataclass(frozen=True)
 class Effort:
-    """Length of training: a time, or a number of turns, whose result repeats."""
+    """Length of training: a time, or a number of turns for a repeatable result."""
 
     minutes: float = 40.0
     turns: int | None = None
 
     def done(self, turn: int, elapsed: float) -> float:
-        """Share of it that is behind, from 0 to 1."""
+        """Return the share of the training that is done, from 0 to 1."""
         share = elapsed / (60.0 * self.minutes) if self.turns is None else turn / self.turns
         return min(share, 1.0)
 
 
 @dataclass
 class Trainer:
-    """An encoder that learns, and all that it takes to go on later.
+    """Training of an encoder, which can be stopped and resumed.
 
     Parameters
     ----------
     config : EncoderConfig
     data : TrainingData
     folder : Path
-        For checkpoints, labels and the log. What is there of the same configuration is taken up.
+        For checkpoints, labels and the log. Training of the same configuration there is resumed.
     effort : Effort
     start : Encoder, optional
-        Whose weights to start from, of the same size; by default they are drawn.
+        Encoder of the same size whose weights are the first; by default weights are drawn.
     average : float
         Share of the averaged weights that a step keeps.
     """
@@ -146,12 +146,12 @@ class Trainer:
         return self.encoder
 
     def validate(self) -> dict[str, float]:
-        """Marks of what has been learned so far."""
+        """Return the validation scores of the encoder trained so far."""
         rows = np.arange(len(self._paths))
         return self.data.validate(lambda features, k: self._best(features, k, rows))
 
     def _attend(self, share: float) -> None:
-        """Have a batch made and keep it."""
+        """Make the next batch of labels, save it and keep it."""
         k = len(self.batches)
         rng = seeding.rng(self.config.seed, 0, k)
         if self.start is None and (share < OPEN or rng.random() >= self.config.hard):
@@ -163,7 +163,7 @@ class Trainer:
         self.batches.append(batch)
 
     def _learn(self, share: float) -> dict[str, float]:
-        """One step of the optimiser."""
+        """Take one step of the optimiser; return the losses by name."""
         rng = seeding.rng(self.config.seed, 1, self.step)
         batch = self.batches[int(rng.integers(len(self.batches)))]
         for group in self._optimiser.param_groups:
@@ -255,7 +255,7 @@ class Trainer:
         }
 
     def _take_up(self) -> None:
-        """Go on from the checkpoint, if there is one."""
+        """Resume from the checkpoint if there is one, else remove the log."""
         path = self.folder / CHECKPOINT
         if not path.exists():
             (self.folder / LOG).unlink(missing_ok=True)
@@ -308,16 +308,16 @@ METRICS, CARD = "metrics.json", "card.md"
 def write_model(
     folder: Path, trainer: Trainer, records: Dataset, dataset: str, scores: Mapping[str, float]
 ) -> None:
-    """Write a trained encoder, its log and its card; what it took to go on is removed.
+    """Write a trained encoder, its metrics, log and card; remove the trainer's folder.
 
     Parameters
     ----------
     folder : Path
     trainer : Trainer
     records : Dataset
-        What it was trained on.
+        Dataset of the training.
     dataset : str
-        How that was named.
+        Name by which the dataset was given.
     scores : mapping
         Shares of held-out situations by name, see `TransferLabels.validate`.
     """
@@ -340,7 +340,7 @@ def write_model(
 
 
 def _origin(records: Dataset) -> dict[str, str]:
-    """Hashes of the dataset; an unfinished one has no hash of its own."""
+    """Return the hashes of the specification and, of a finished dataset, of the dataset."""
     manifest = records.manifest
     origin = {"spec": records.spec.digest}
     if manifest is not None and manifest["complete"]:

@@ -1,4 +1,4 @@
-"""Labels for encoders: memories that catch in a situation, once adapted to it.
+"""Labels for encoders: the memories that catch in a situation once they are adapted.
 
 Memories are the catches of a dataset. Each situation of its
 records comes once. Then the specification draws others, which need cheap labels only and no plan.
@@ -57,7 +57,7 @@ class ValidMemories(NamedTuple):
     """(n,) int64: column of a situation's own memory, -1 for those without."""
 
     def save(self, path: Path) -> None:
-        """Write it into a file."""
+        """Write the labels into a file."""
         stream = io.BytesIO()
         features, *rest = self
         np.savez(stream, *features, *rest)
@@ -65,7 +65,7 @@ class ValidMemories(NamedTuple):
 
     @classmethod
     def load(cls, path: Path) -> ValidMemories:
-        """Read it from a file."""
+        """Read the labels from a file."""
         with np.load(path) as file:
             arrays = [file[f"arr_{k}"] for k in range(len(file.files))]
         size = len(FeatureBatch._fields)
@@ -95,7 +95,7 @@ class TrainingData(Protocol):
 
 
 class TransferLabels:
-    """Labels from a dataset's training records; validates on those for validation.
+    """Labels from the training records of a dataset; its validation records serve for scores.
 
     Parameters
     ----------
@@ -105,11 +105,11 @@ class TransferLabels:
     most : int, optional
         Records that are read at most; by default all.
     maps : bool
-        Whether features of maps are wanted: of the records' own, else of new ones.
+        Whether features of maps are wanted: of the records' maps, else of new maps.
     synthetic : bool
         Whether memories are synthetic movements in place of catches; see `recall.synthetic`.
     crew : Crew
-        Who reads the records and tries memories; by default this process.
+        Processes that read the records and try memories; by default this process.
     progress : callable
         Called with the number of records read since the last call.
     sizes : Sizes, optional
@@ -199,7 +199,7 @@ class TransferLabels:
         return ValidMemories(seen, rows, self._valid(problems, each), column)
 
     def validate(self, best: Best) -> dict[str, float]:
-        """Share of held-out situations in which one of the first k memories is valid."""
+        """Return shares of held-out situations with a valid memory among the first k, by name."""
         scores: dict[str, float] = {}
         if not self._exam:
             return scores
@@ -228,7 +228,7 @@ class TransferLabels:
         return batched([one for some in self.crew.map(_looks, parts) for one in some])
 
     def _drawn(self, index: int, rng: np.random.Generator) -> Iterator[Any]:
-        """Draw situations of the specification outside its holdouts, few of them easy."""
+        """Draw problems from the specification outside its holdouts, few of them easy."""
         k = 0
         while True:
             source = seeding.rng(self.seed, _BATCH, index, k)
@@ -244,7 +244,7 @@ class TransferLabels:
             yield problem
 
     def _alone(self, problems: list[Any], rng: np.random.Generator) -> list[Any]:
-        """Repeat some situations with one obstacle alone, to show at which one a path fails."""
+        """Repeat some situations with a single obstacle, to show which obstacle a path fails at."""
         several = [p.situation for p in problems if len(p.situation.obstacles) > 1]
         out = []
         for k in rng.permutation(len(several))[: self.sizes.alone].tolist():
@@ -282,7 +282,7 @@ class _Try(NamedTuple):
 
 
 def picture_of(record: Record) -> np.ndarray:
-    """Return features of the map that a record holds, or else of one that is made now."""
+    """Return features of a record's map, or of a new map if the record holds none."""
     kind, made = MEMORIES.of(record.situation), record.map
     return kind.map_features(kind.map_of(record.situation) if made is None else made)
 
@@ -304,7 +304,7 @@ def _tried(ask: _Try) -> np.ndarray:
 
 
 def _valid_in(problem: Any, ask: _Try, rows: np.ndarray) -> np.ndarray:
-    """Return which memories are valid in one of the situations (m,) bool."""
+    """Return a mask (m,) bool of the memories that are valid in a problem's situation."""
     tries = MEMORIES.of(problem.situation).tries(problem, DEFAULT)
     return tries.catch_times(ask.knots, ask.goals, np.ascontiguousarray(rows, np.int64)) >= 0.0
 
@@ -314,7 +314,7 @@ def _looks(problems: list[Any]) -> list[Features]:
 
 
 def _without(found: np.ndarray, own: np.ndarray) -> np.ndarray:
-    """Lists of memories (n, m) without the first situations' own, one shorter."""
+    """Remove the first situations' own memories from lists (n, m); return (n, m - 1)."""
     mine = np.full((len(found), 1), -1)
     mine[: len(own), 0] = own
     order = np.argsort(found == mine, axis=1, kind="stable")

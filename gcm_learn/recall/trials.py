@@ -1,7 +1,7 @@
-"""Many memories tried on one situation, in compiled code: adapted, freed, checked.
+"""Trials of many memories on one situation, in compiled code: adapt, free, check.
 
 Every memory is checked once, in the form that its adaptation gave it. After the first failure some
-memories are compared for each check of a hand path: one that touches less is more easily freed.
+memories are compared for each check of a hand path: a path that touches less is easier to free.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ class TrialLimits(NamedTuple):
 
 @njit
 def _met_in_time(query, paths, m, style, work, bends):
-    """Adapt memory m, and hasten it where it comes too late; as `adapt_to_targets`."""
+    """Adapt memory m, and hasten a path that is too late; return as `adapt_to_targets` does."""
     count, body = adapt_to_targets(paths, m, query, style, work)
     if count == 0 and bends > 0:
         return hasten(query, style, work)
@@ -72,7 +72,7 @@ def _met_in_time(query, paths, m, style, work, bends):
 
 @njit
 def _freed_path(query, style, work, count, body, bends):
-    """Check the best path, and change it where it touches."""
+    """Check the best path, and change the path where it touches."""
     if habits(query).checks_first:
         samples, is_free, caught = _check(query, work, count, body)
         if is_free or bends == 0:
@@ -86,7 +86,7 @@ def _freed_path(query, style, work, count, body, bends):
 
 @njit
 def _freed_in_its_time(query, style, work, count, body, bends):
-    """Push the movement aside if it touches at all times of its end."""
+    """Push the movement aside if it touches at all end times; write a free one as the best."""
     caught = work.track.body[0]
     if caught < 0:
         until, samples = again(query, body, style, work, 0.0)
@@ -104,7 +104,7 @@ freed = by_type({HandQuery: _freed_path, JointQuery: _freed_path, TimedQuery: _f
 
 @njit
 def adapted(query, paths, m, style, work, bends):
-    """Adapt memory m, and change it where a quick check finds a contact.
+    """Adapt memory m, and change the path where a quick check finds a contact.
 
     Returns
     -------
@@ -125,7 +125,7 @@ def adapted(query, paths, m, style, work, bends):
 
 @njit
 def catch_times(query, paths, chosen, styles, bends, work):
-    """Return when memories, adapted to a situation, catch in it.
+    """Return the catch times of memories adapted to a situation.
 
     Parameters
     ----------
@@ -217,7 +217,7 @@ def first_valid(query, paths, offer, styles, budget, work):
 
 @njit(_nrt=False)
 def most_promising(offer):
-    """Position of the largest score that is left, the first of equal ones; -1 if none is."""
+    """Return the position of the largest score left, the first among equals; -1 if none is left."""
     best = -1
     for i in range(offer.scores.size):
         if offer.left[i] and (best < 0 or offer.scores[i] > offer.scores[best]):
@@ -250,7 +250,7 @@ def _compare(query, paths, offer, costs, style, work, failed, budget):
 
 @njit
 def _known(query, failed, work, count, novelty):
-    """Return whether the best path is near to one that failed; never if all are to be checked."""
+    """Return whether the best path is within `novelty` of a failed path; False at novelty 0."""
     if novelty > 0.0:
         for row in range(failed.shape[0]):
             if _is_near(query, failed[row], work, count, novelty):
@@ -260,7 +260,7 @@ def _known(query, failed, work, count, novelty):
 
 @njit(_nrt=False)
 def _least_touching(offer, costs):
-    """Position of the most promising memory that was checked, less what it touches; or -1."""
+    """Return the position of the compared memory with the best score less contact, or -1."""
     best, most = -1, -np.inf
     for i in range(costs.size):
         if offer.left[i] and not np.isnan(costs[i]):
@@ -272,7 +272,7 @@ def _least_touching(offer, costs):
 
 @njit(_nrt=False)
 def learn(offer, failed, penalty):
-    """Take from all scores what the failure of one says: more, the nearer their direction is."""
+    """Lower the scores after a failure: more, the nearer a memory's direction to the failed one."""
     own = _length(offer.places, failed)
     for i in range(offer.scores.size):
         if offer.left[i]:

@@ -39,7 +39,7 @@ TIME, EARLIEST = -2, -1  # columns of a knot, after its place
 
 
 class Waypoints(NamedTuple):
-    """A catch as memory keeps it.
+    """A catch in the form that memories store: knots and a goal.
 
     Knots of a planar arm are hands: direction and share of the ring; so is its goal. Directions are
     measured from that of the hand at t = 0, counter-clockwise if the elbow is on the right, else
@@ -65,7 +65,7 @@ class Waypoints(NamedTuple):
 
 @njit
 def knot_times(time, places, count, close):
-    """Times (count,) at which a path, linear in between, stays as near to itself as it can.
+    """Return times (count,) of knots between which linear interpolation stays near the path.
 
     Beginning with its ends, the sample that is farthest from the path at its time is added, until
     all are as near as `close`. This is the rule of Ramer, Douglas and Peucker with synchronous
@@ -132,7 +132,7 @@ def ring_share(arm: Arm, radius: np.ndarray | float) -> np.ndarray | float:
 
 
 def hand_waypoints(situation: Situation, path: Movement, body: int) -> Waypoints:
-    """Return the movement of a planar arm to a body as memory keeps it."""
+    """Return the waypoints of a planar arm's movement to a body."""
     poses = np.zeros((len(situation.bodies), 12))
     pose_at(pack_bodies(situation), body, path.duration, poses)
     arm, frame, goal = situation.arm, frame_of(situation), poses[body, :2]
@@ -156,7 +156,7 @@ def hand_waypoints(situation: Situation, path: Movement, body: int) -> Waypoints
 def joint_waypoints(
     situation: Situation[Any], path: Movement, body: int, held: tuple[float, float] | None = None
 ) -> Waypoints:
-    """Return the movement of a spatial arm or a chain to a body as memory keeps it.
+    """Return the waypoints of a spatial arm's or a chain's movement to a body.
 
     Parameters
     ----------
@@ -165,8 +165,8 @@ def joint_waypoints(
     body : int
         The target.
     held : (float, float), optional
-        When it is caught and let go [s]; then the last knots are the end of the hold and that of
-        the movement.
+        Times of the catch and of letting go [s]; then the last knots are the end of the hold and
+        that of the movement.
     """
     turned, frame = canonical(situation)
     caught = path.duration if held is None else held[0]
@@ -221,9 +221,7 @@ class Passing(NamedTuple):
 
     @property
     def sides(self) -> str:
-        """Letters of the obstacles that are passed nearby, in the order of passing: l for one that
-        is left on the hand's left, r on its right. Empty if none is.
-        """
+        """Letters of obstacles passed nearby, in order: l left of the hand, r right; or empty."""
         passed = np.flatnonzero((self.clearance <= NEAR) & (np.abs(self.turn) >= PASSED))
         order = passed[np.argsort(self.when[passed], kind="stable")]
         return "".join("l" if self.turn[k] > 0.0 else "r" for k in order)
@@ -242,7 +240,7 @@ def passing(situation: Situation, trajectory: Movement) -> Passing:
 
 
 def passing_of(situation: Situation, waypoints: Waypoints) -> Passing:
-    """Return how a memory passes the obstacles of its own situation, which is canonical."""
+    """Return the passing of a memory by the obstacles of its own, canonical situation."""
     arm = situation.arm
     return passing(situation, Movement.of_hand(arm, *path_of(waypoints, arm)))
 
