@@ -333,7 +333,7 @@ def keep(work, t, _body):
 
 @njit
 def cut(query, work, body):
-    """Return samples of the best path until a target is within reach, and that target."""
+    """Return the number of samples until a target is within reach of the hand, and the target."""
     bodies, catch = query.scene.bodies, query.rules.catch
     for k in range(KNOTS):
         x, y = work.best_hand[k, 0], work.best_hand[k, 1]
