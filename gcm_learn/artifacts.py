@@ -56,7 +56,7 @@ def models(file: str) -> dict[str, Path]:
 
 
 def model(name: str, file: str) -> Path | None:
-    """Find the folder of the model `name` with a file `file` in it; None if there is none."""
+    """Find the folder of the model `name` that holds `file`; None if it is missing."""
     place = find("models", f"{name}/{file}")
     return None if place is None else place.parent
 

@@ -10,7 +10,7 @@ FEW = 12
 
 
 def nearest(name: object, known: Iterable[str]) -> str | None:
-    """Return the known name most similar to a wrong name; None if no name is similar."""
+    """Return the known name most similar to a wrong name, if any is similar."""
     found = difflib.get_close_matches(str(name).lower(), known, 1)
     return found[0] if found else None
 

@@ -48,14 +48,13 @@ def _limb(
     speeds: tuple[float, float, float, float],
 ) -> ChainLimb:
     """Return the limb of two bones, cached because every situation packs one."""
-    rest: Any = tuple(low for low, _ in ranges)
-    bones: Any = {
-        "upper_arm": upper,
-        "forearm": fore,
-        "joint_range": ranges,
-        "max_joint_speed": speeds,
-    }
-    limb = limb_of_chain(SpatialArm(joints=rest, grasp=0.0, **bones))
+    low: Any = tuple(low for low, _ in ranges)
+    limb = limb_of_chain(
+        SpatialArm(
+            upper_arm=upper, forearm=fore, joints=low, joint_range=ranges, max_joint_speed=speeds,
+            grasp=0.0,
+        )
+    )  # fmt: skip
     rho, length, pole = math.hypot(*upper), math.hypot(*fore), _pole(upper, fore, ranges)
     limb.balls[:, 3] = np.array([0.5 * rho, 0.5 * length]) * (1.0 + 1e-9)
     numbers = [*upper, *fore, *_TOWARDS[pole], *_ACROSS[pole], rho, length]

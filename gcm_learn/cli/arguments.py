@@ -120,7 +120,7 @@ def parse(argv: Sequence[str]) -> Command | None:
 
 
 def _record(name: str, argv: Sequence[str]) -> Command | None:
-    """Return a command's record; tyro is told, and suggests, the options of this command only."""
+    """Parse a command's arguments into its record; tyro suggests options of this command only."""
     import tyro
 
     module, record = COMMANDS[name].place.split(":")

@@ -77,7 +77,7 @@ class Cover:
         return self._checked(cover) if self.check else 0
 
     def _begun(self, family: ParametricFamily) -> Grown:
-        """Return the cover in the folder, or an empty cover of the family if there is none."""
+        """Return the cover in the folder, or an empty cover of the family."""
         from gcm_learn.cover import Cover, is_cover, load_cover
 
         if not is_cover(self.out):

@@ -61,7 +61,7 @@ class Place(NamedTuple):
 
 @cache
 def ahead() -> Place | None:
-    """Return the place of code compiled ahead; None without code that is wanted and runs here."""
+    """Return the place of code compiled ahead; None if unwanted, missing or for another CPU."""
     spec = None if os.environ.get("GCM_LEARN_NATIVE") else importlib.util.find_spec(KERNELS)
     if spec is None or spec.origin is None:
         return None

@@ -61,5 +61,5 @@ def tell_listeners() -> None:
 
 
 def on_first_compiling(call: Callable[[], object]) -> None:
-    """Replace the listeners by `call`, unless there are none."""
+    """Replace all listeners by `call`; without listeners nothing changes."""
     on_compile[:] = [call] if on_compile else []

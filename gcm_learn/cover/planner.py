@@ -24,7 +24,7 @@ NAME = "covered"
 
 
 class ProvenPlan(Plan):
-    """Plan of a proven cell; the clearance is measured when first asked for."""
+    """Plan of a proven cell; the clearance is measured at its first use."""
 
     @classmethod
     def of(cls, situation: AnySituation, catch: StoredCatch, **known: Any) -> ProvenPlan:

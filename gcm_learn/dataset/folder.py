@@ -137,7 +137,7 @@ class Folder:
 
 
 def _hint(url: str) -> str | None:
-    """Return the advice to install the package that fsspec needs for a URL, None without one."""
+    """Return the advice to install the package that fsspec needs for a URL, if it needs one."""
     known = known_implementations.get(url.partition("://")[0], {})
     package = known.get("class", "fsspec").partition(".")[0]
     return None if package == "fsspec" else f"needs {package}: pip install {package}"

@@ -230,7 +230,7 @@ class Record:
         return self.spec.planners
 
     def earliest(self, planner: str = "") -> Plan | None:
-        """Return the plan that catches first, of `planner` or else of all; None without a catch."""
+        """Return the plan with the earliest catch, of `planner` or of all; None without a catch."""
         names = (planner,) if planner else self.planners
         caught = [self.plans[name] for name in names if self.plans[name].caught]
         return min(caught, key=lambda plan: plan.catch_time or 0.0) if caught else None

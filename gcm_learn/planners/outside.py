@@ -324,7 +324,7 @@ def _catch(told: dict[str, Any], situation: AnySituation) -> dict[str, Any]:
                 Catch(
                     str(name),
                     _number(time, "on_the_way"),
-                    *(_maybe("on_the_way", given) for given in rest),
+                    *(_maybe("on_the_way", given) for given in rest[:2]),
                 )
                 for name, time, *rest in told["on_the_way"]
             ),

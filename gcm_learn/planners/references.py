@@ -75,7 +75,7 @@ def source_of(given: Any) -> str:
 
 
 def _file_of(module: str) -> Path | None:
-    """Return the file of an imported module; None for a module without a file."""
+    """Return the file of an imported module, if it has one."""
     made = sys.modules.get(module)
     place = getattr(made, "__file__", None)
     return None if place is None else Path(place)

@@ -140,7 +140,7 @@ class Actor(Acting):
 
     @classmethod
     def load(cls, folder: Path) -> Actor:
-        """Read the policy of a folder; the file's name tells its arena.
+        """Read the policy of a folder; the file's name gives the arena.
 
         Raises
         ------

@@ -104,7 +104,7 @@ class Tries(ABC):
 
     @property
     def begun(self) -> EndSearch | None:
-        """Search whose trees memories grow; None where memories grow no trees."""
+        """Search whose trees memories grow; None for memories of touches."""
         return None
 
     @cached_property

@@ -58,7 +58,7 @@ class Segment(NamedTuple):
     turn: tuple[float, ...]
     """Quaternion w, x, y, z."""
     inertia: Inertia | None
-    """None for a segment that never moves."""
+    """None for a segment at rest."""
     joints: tuple[Turning, ...]
     links: tuple[LinkCapsule, ...]
 

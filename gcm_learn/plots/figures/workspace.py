@@ -155,7 +155,7 @@ def draw_poses(
 
 
 def draw_movement(ax: Axes, situation: Situation, plan: Plan, count: int = 4) -> None:
-    """Draw `count` poses of a plan's movement, or the start if there is none."""
+    """Draw `count` poses of a plan's movement; only the start of a plan without a movement."""
     if plan.trajectory is None:
         draw_workspace(ax, situation)
     else:
